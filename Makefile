@@ -1,0 +1,76 @@
+# The only build file. `make help` lists the targets.
+#
+# Variables a caller may set:
+#   CC=gcc|clang  OPT=-O2  WERROR=1  SANITIZE=address,undefined  EXTRA_CFLAGS=...
+#   CONFIG=release         objects and programs go to build/$(CONFIG)
+#   OPENMP=0  PNG=0        build without what was found on this machine
+
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+CONFIG ?= release
+OPT    ?= -O2
+B      := build/$(CONFIG)
+
+# What this compiler can do: $(call works,FLAGS,HEADER) prints 1 or 0.
+works = $(shell printf '\043include <%s>\nint main(void) { return 0; }\n' $(2) | \
+          $(CC) -x c - -o /dev/null $(1) >/dev/null 2>&1 && echo 1 || echo 0)
+ifndef OPENMP
+OPENMP := $(call works,-fopenmp,omp.h)
+endif
+ifndef PNG
+PNG := $(call works,-lpng,png.h)
+endif
+
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion \
+            -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wundef
+# Exactness: no contraction into FMA. No errno, so that sqrtf is the instruction.
+EXACT    := -ffp-contract=off -fno-math-errno
+CPPFLAGS := -Isrc -I. -DRB_PNG=$(PNG) -MMD -MP
+CFLAGS   := -std=c11 -g $(OPT) $(WARNINGS) $(EXACT) $(if $(WERROR),-Werror) \
+            $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-sanitize-recover=all) $(EXTRA_CFLAGS)
+LDFLAGS  := $(if $(SANITIZE),-fsanitize=$(SANITIZE))
+LDLIBS   := $(if $(filter 1,$(PNG)),-lpng) -lm
+ifeq ($(OPENMP),1)
+CFLAGS  += -fopenmp
+LDFLAGS += -fopenmp
+endif
+
+LIB_SRC  := $(sort $(filter-out src/main.c,$(wildcard src/*/*.c)))
+BENCH_SRC := $(sort $(wildcard bench/*.c))
+LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o)
+APP_OBJ  := $(BENCH_SRC:%.c=$(B)/%.o) $(B)/src/main.o
+UNIT_SRC := $(sort $(wildcard tests/unit/*.c))
+UNIT     := $(UNIT_SRC:%.c=$(B)/%)
+TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
+
+.PHONY: all unit help
+all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
+
+build/raybench: $(B)/raybench
+	@ln -sf release/raybench $@
+
+$(B)/raybench: $(APP_OBJ) $(B)/libraybench.a
+	$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+$(B)/libraybench.a: $(LIB_OBJ)
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+unit: $(UNIT)
+$(B)/tests/unit/%: $(B)/tests/unit/%.o $(TEST_OBJ) $(B)/libraybench.a
+	$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+$(B)/%.o: %.c $(B)/flags
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+# Rewritten only when compiler or flags change, so that they rebuild everything.
+$(B)/flags: force
+	@mkdir -p $(@D)
+	@echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LDLIBS)' | cmp -s - $@ || \
+	  echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LDLIBS)' > $@
+.PHONY: force
+.SECONDARY:
+
+-include $(shell find $(B) -name '*.d' 2>/dev/null)

@@ -1,0 +1,36 @@
+// Output files that are either whole or absent: written under a temporary name in the same folder
+// and renamed when complete. A path that is not a regular file ("-", /dev/stdout, a pipe) is
+// written in place.
+//
+// Not thread-safe: one output at a time. A file that is open when a signal handler calls
+// rb_output_discard_on_signal is removed.
+#ifndef RB_BASE_FILE_H
+#define RB_BASE_FILE_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+struct rb_output {
+    FILE *stream; // write here
+    bool in_place;
+    char path[1024];
+    char temporary[1100];
+};
+
+// Opens PATH for writing; "-" is standard output. Every outcome is reported through `error`, with
+// error->file set.
+enum rb_status rb_output_open(struct rb_output *output, const char *path, struct rb_error *error);
+
+// Flushes, closes and renames. On failure (a full disk, say) nothing is left under the final name
+// that was not there before.
+enum rb_status rb_output_commit(struct rb_output *output, struct rb_error *error);
+
+// Closes and removes what was written so far. Harmless after a failed open or a commit.
+void rb_output_discard(struct rb_output *output);
+
+// Async-signal-safe: removes the temporary file of the output now open, if any.
+void rb_output_discard_on_signal(void);
+
+#endif
