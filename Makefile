@@ -36,41 +36,82 @@ CFLAGS  += -fopenmp
 LDFLAGS += -fopenmp
 endif
 
-LIB_SRC  := $(sort $(filter-out src/main.c,$(wildcard src/*/*.c)))
-BENCH_SRC := $(sort $(wildcard bench/*.c))
+LIB_SRC  := $(sort $(wildcard src/*/*.c bench/*.c))
 LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o)
-APP_OBJ  := $(BENCH_SRC:%.c=$(B)/%.o) $(B)/src/main.o
 UNIT_SRC := $(sort $(wildcard tests/unit/*.c))
 UNIT     := $(UNIT_SRC:%.c=$(B)/%)
 TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
 
-.PHONY: all unit help
+FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
+
+.DEFAULT_GOAL := all
+.PHONY: all bench test unit check fuzz setup clean help force
+
+## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
+
+## bench: measure every variant on the six scenes, under two minutes; results/latest has the CSV
+bench: all
+	$(B)/raybench bench $(SCENES)
+
+## test: build and run every test (TAP, through perl's prove)
+test: all unit $(FUZZ_REPLAY)
+	@command -v prove >/dev/null || { echo 'make test needs prove: apt-get install perl' >&2; exit 1; }
+	@RAYBENCH=$(B)/raybench BUILD=$(B) prove -j $(shell nproc 2>/dev/null || echo 1) -e '' \
+	  $(UNIT) $(sort $(wildcard tests/cli/*.t))
+
+## check: everything CI runs, by name (CHECKS="style build ..." for some of it)
+check:
+	scripts/check $(CHECKS)
+
+## fuzz: fuzz the NFF reader with clang's libFuzzer for FUZZ_S seconds (default 60)
+FUZZ_S ?= 60
+fuzz:
+	scripts/fuzz $(FUZZ_S)
+
+## setup: install what the checks use beyond a compiler and make (Debian packages, needs root)
+setup:
+	scripts/setup
+
+## clean: remove build/
+clean:
+	rm -rf build
+
+## help: this list
+help:
+	@echo 'usage: make [target] [CC=clang] [OPT=-O3] [CONFIG=name] [SANITIZE=address,undefined]'
+	@sed -n 's/^## \([a-z]*\): /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
 
 build/raybench: $(B)/raybench
 	@ln -sf release/raybench $@
 
-$(B)/raybench: $(APP_OBJ) $(B)/libraybench.a
-	$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+$(B)/raybench: $(B)/src/main.o $(B)/libraybench.a
+	@echo "  link $@"
+	@$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 $(B)/libraybench.a: $(LIB_OBJ)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	@$(AR) rcs $@ $^
 
 unit: $(UNIT)
 $(B)/tests/unit/%: $(B)/tests/unit/%.o $(TEST_OBJ) $(B)/libraybench.a
-	$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	@echo "  link $@"
+	@$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+$(FUZZ_REPLAY): $(B)/tests/fuzz/fuzz_nff.o $(B)/tests/fuzz/replay.o $(B)/libraybench.a
+	@echo "  link $@"
+	@$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 $(B)/%.o: %.c $(B)/flags
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+	@echo "  cc   $<"
+	@$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # Rewritten only when compiler or flags change, so that they rebuild everything.
 $(B)/flags: force
 	@mkdir -p $(@D)
 	@echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LDLIBS)' | cmp -s - $@ || \
 	  echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LDLIBS)' > $@
-.PHONY: force
 .SECONDARY:
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)

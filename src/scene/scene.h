@@ -127,6 +127,10 @@ enum rb_status rb_scene_add_cone(struct rb_scene_builder *, const double base[3]
 enum rb_status rb_scene_add_plane(struct rb_scene_builder *, const double p[3][3],
                                   struct rb_error *);
 
+// RB_INVALID with a text for a camera that can see nothing: from equal to at, up parallel to the
+// view or zero, angle outside (0, 180), a side of the image outside 1 .. 65536, over 2^28 pixels.
+enum rb_status rb_scene_check_camera(const struct rb_camera *, struct rb_error *);
+
 // Checks the camera (RB_INVALID with a text), moves everything out of the builder into `scene` and
 // seals it. The builder is empty afterwards, whatever the outcome. Release with rb_scene_free.
 enum rb_status rb_scene_finish(struct rb_scene_builder *, struct rb_scene *scene,
@@ -144,8 +148,29 @@ static inline enum rb_kind rb_scene_kind(const struct rb_scene *scene, uint32_t 
     return id < scene->first[RB_PLANE] ? RB_CONE : RB_PLANE;
 }
 
-// Bounding box of the bounded primitive `id`, a function of its stored data alone. A hit counts only
-// if the ray passes this very box (kernels/intersect.h), and trees are built over it.
+// Bounding boxes, a function of the stored data alone. A hit counts only if the ray passes this very
+// box (kernels/intersect.h), and trees are built over it. A cone stores its box.
+static inline void rb_sphere_bounds(const struct rb_sphere *sphere, float low[3], float high[3])
+{
+    float r = sphere->radius < 0.0f ? -sphere->radius : sphere->radius;
+    for (int k = 0; k < 3; k++) {
+        low[k] = sphere->center[k] - r;
+        high[k] = sphere->center[k] + r;
+    }
+}
+
+static inline void rb_triangle_bounds(const struct rb_triangle *triangle, float low[3],
+                                      float high[3])
+{
+    for (int k = 0; k < 3; k++) {
+        float a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
+        float ab_low = a < b ? a : b, ab_high = a > b ? a : b;
+        low[k] = ab_low < c ? ab_low : c;
+        high[k] = ab_high > c ? ab_high : c;
+    }
+}
+
+// Any bounded primitive, by id.
 void rb_scene_bounds(const struct rb_scene *scene, uint32_t id, float low[3], float high[3]);
 
 #endif

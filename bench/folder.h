@@ -1,0 +1,15 @@
+// Where results go: results/<utc>-<git7>-<host>/, and the link results/latest to the newest.
+#ifndef RB_BENCH_FOLDER_H
+#define RB_BENCH_FOLDER_H
+
+#include "base/status.h"
+
+enum { RB_PATH_MAX = 768 };
+
+// Makes `parent` and a new folder in it; its path goes to `path`.
+enum rb_status rb_folder_make(const char *parent, char path[RB_PATH_MAX], struct rb_error *error);
+
+// Points <parent>/latest at the folder.
+enum rb_status rb_folder_link_latest(const char *parent, const char *path, struct rb_error *error);
+
+#endif

@@ -1,0 +1,99 @@
+#include "bench/table.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+// "est. 41230 +-3 %", or the reason why there is no time.
+static void print_frame(const struct rb_scene_bench *bench, const struct rb_row *row)
+{
+    const struct rb_row *base = rb_scene_bench_row(bench, row->variant->baseline);
+    printf("  %-12s %7d ", row->variant->name,
+           row->renderer ? rb_renderer_thread_count(row->renderer) : 0);
+    if (row->state == RB_ROW_UNAVAILABLE || row->state == RB_ROW_INVALID) {
+        printf("  %s %s\n", row->state == RB_ROW_INVALID ? "INVALID: differs from" : "needs",
+               row->state == RB_ROW_INVALID ? rb_variants[0].name : row->variant->needs);
+        return;
+    }
+    struct rb_estimate frame = rb_row_frame(row, bench->frame_rays);
+    char interval[48];
+    snprintf(interval, sizeof interval, "%.4g to %.4g", frame.low * 1e-6, frame.high * 1e-6);
+    printf("%5s %10.4g  %-20s %9.3f", row->state == RB_ROW_ESTIMATED ? "est." : "",
+           frame.value * 1e-6, interval, bench->frame_rays / frame.value * 1e3);
+    if (base && base != row && base->sample_count)
+        printf("  %7.2f x %s", rb_row_frame(base, bench->frame_rays).value / frame.value,
+               base->variant->name);
+    printf("\n");
+}
+
+static int bounces_with_rays(const struct rb_scene_bench *bench)
+{
+    int bounces = 0;
+    for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
+        if (bench->frame.tally[RB_STAGE_TRACE][bounce].rays)
+            bounces = bounce + 1;
+    return bounces;
+}
+
+static void print_ray_counts(const struct rb_scene_bench *bench, int bounces)
+{
+    static const struct {
+        const char *name;
+        enum rb_stage stage;
+    } lines[] = {{"rays traced", RB_STAGE_TRACE}, {"shadow rays", RB_STAGE_TRACE_SHADOW}};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        printf("  %-27s", lines[i].name);
+        for (int bounce = 0; bounce < bounces; bounce++)
+            printf(" %9" PRIu64, bench->frame.tally[lines[i].stage][bounce].rays);
+        printf("\n");
+    }
+}
+
+static void print_grid(const struct rb_row *row, int bounces)
+{
+    for (int stage = 0; stage < RB_KERNEL_COUNT; stage++) {
+        printf("  %-12s %-14s", stage ? "" : row->variant->name, rb_stage_names[stage]);
+        for (int bounce = 0; bounce < bounces; bounce++) {
+            double ns = rb_row_cell(row, (enum rb_stage)stage, bounce).value;
+            if (isfinite(ns))
+                printf(" %9.1f", ns);
+            else
+                printf(" %9s", "-");
+        }
+        printf("\n");
+    }
+}
+
+void rb_table_print(const struct rb_scene_bench *bench)
+{
+    const struct rb_settings *s = &bench->settings;
+    int bounces = bounces_with_rays(bench);
+    printf("\n%s: %d x %d, depth %d, %" PRIu32 " primitives, %.0f rays a frame\n", bench->name,
+           s->width, s->height, s->depth, bench->scene->primitive_count, bench->frame_rays);
+    printf("  hits and image of all rows agree with %s on %" PRIu32 " of %" PRIu32 " tiles%s\n",
+           rb_variants[0].name, bench->sample.count, bench->sample.total,
+           bench->mismatch ? ", except the rows marked INVALID" : "");
+    printf("\n  %-12s %7s %16s  %-20s %9s  %s\n", "variant", "threads", "ms/frame",
+           "95 % interval", "Mrays/s", "speed-up");
+    for (int i = 0; i < bench->row_count; i++)
+        print_frame(bench, &bench->rows[i]);
+
+    printf("\n  %-12s %-14s", "ns per ray", "bounce");
+    for (int bounce = 0; bounce < bounces; bounce++)
+        printf(" %9d", bounce);
+    printf("\n");
+    for (int i = 0; i < bench->row_count; i++)
+        if (bench->rows[i].state >= RB_ROW_MEASURED)
+            print_grid(&bench->rows[i], bounces);
+    print_ray_counts(bench, bounces);
+    fflush(stdout);
+}
+
+void rb_table_print_probes(double probe_ns, double worst)
+{
+    printf("\nA probe costs %.1f ns; probes take at most %.3f %% of a frame (largest row).\n",
+           probe_ns, worst * 100.0);
+    printf("ns per ray are thread time over queue entries, misses included; Mrays/s counts trace and\n"
+           "trace_shadow rays per frame time. est.: from a random sample of tiles.\n");
+}

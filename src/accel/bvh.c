@@ -1,0 +1,380 @@
+// Binned SAH, in two phases. A serial phase splits the largest ranges until there are enough subtrees
+// to share; the subtrees are then built in parallel, each in node slots of its own, and copied
+// behind the top of the tree in a fixed order. Sorting on every axis (full sweep SAH) was rejected:
+// the cost of a tree with 16 bins is within 2 % of it (Wald 2007) at a fraction of the time.
+#include "accel/bvh.h"
+
+#include "base/memory.h"
+#include "base/vec.h"
+
+#include <string.h>
+
+enum {
+    BINS = 16,
+    LEAF_MAX = 8,
+    DEPTH_HALVE = 48,    // from here on ranges are halved, see RB_BVH_DEPTH_MAX
+    SUBTREES = 64,       // shared among the workers
+    SUBTREE_MIN = 1024,  // primitives below which a range is not split for sharing
+};
+
+// Costs relative to one test of a box pair: a primitive test includes the test of its own box.
+static const float COST_PRIMITIVE = 1.5f;
+
+struct box {
+    float low[3], high[3];
+};
+
+struct item {
+    struct box box;
+    uint32_t id;
+};
+
+struct bin {
+    struct box box;
+    uint32_t count;
+};
+
+struct split {
+    float cost; // of both sides, area times primitives
+    float low, scale;
+    int axis, bin; // items of bins < bin go left
+};
+
+// A range of items that becomes one child of a node.
+struct range {
+    uint32_t begin, end;
+    struct box box;
+    int depth;
+};
+
+struct builder {
+    struct item *items;
+    struct rb_bvh_node *nodes;
+};
+
+static const struct box EMPTY = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+static void box_include(struct box *box, const struct box *other)
+{
+    for (int k = 0; k < 3; k++) {
+        box->low[k] = rb_min(box->low[k], other->low[k]);
+        box->high[k] = rb_max(box->high[k], other->high[k]);
+    }
+}
+
+static float box_half_area(const struct box *box)
+{
+    float x = box->high[0] - box->low[0], y = box->high[1] - box->low[1];
+    float z = box->high[2] - box->low[2];
+    return x * y + y * z + z * x;
+}
+
+static float item_center(const struct item *item, int axis)
+{
+    return item->box.low[axis] + item->box.high[axis]; // twice the centre; only order matters
+}
+
+static struct box centers_box(const struct item *items, uint32_t count)
+{
+    struct box box = EMPTY;
+    for (uint32_t i = 0; i < count; i++) {
+        struct box point;
+        for (int k = 0; k < 3; k++)
+            point.low[k] = point.high[k] = item_center(&items[i], k);
+        box_include(&box, &point);
+    }
+    return box;
+}
+
+static int bin_of(const struct item *item, int axis, float low, float scale)
+{
+    int bin = (int)((item_center(item, axis) - low) * scale);
+    return bin < BINS - 1 ? bin : BINS - 1;
+}
+
+// Sweeps the bins of one axis from both ends and keeps the cheapest plane in `best`.
+static void sweep(const struct bin bins[BINS], int axis, float low, float scale, struct split *best)
+{
+    float right_cost[BINS];
+    struct box box = EMPTY;
+    uint32_t count = 0;
+    for (int i = BINS - 1; i > 0; i--) {
+        box_include(&box, &bins[i].box);
+        count += bins[i].count;
+        right_cost[i] = count ? box_half_area(&box) * (float)count : INFINITY;
+    }
+    box = EMPTY;
+    count = 0;
+    for (int i = 1; i < BINS; i++) {
+        box_include(&box, &bins[i - 1].box);
+        count += bins[i - 1].count;
+        float cost = count ? box_half_area(&box) * (float)count + right_cost[i] : INFINITY;
+        if (cost < best->cost)
+            *best = (struct split){cost, low, scale, axis, i};
+    }
+}
+
+static struct split find_split(const struct item *items, uint32_t count)
+{
+    struct split best = {.cost = INFINITY};
+    struct box centers = centers_box(items, count);
+    for (int axis = 0; axis < 3; axis++) {
+        float low = centers.low[axis];
+        float scale = (float)BINS / (centers.high[axis] - low);
+        if (!(scale < FLT_MAX)) // no extent on this axis
+            continue;
+        struct bin bins[BINS];
+        for (int i = 0; i < BINS; i++)
+            bins[i] = (struct bin){EMPTY, 0};
+        for (uint32_t i = 0; i < count; i++) {
+            struct bin *bin = &bins[bin_of(&items[i], axis, low, scale)];
+            box_include(&bin->box, &items[i].box);
+            bin->count++;
+        }
+        sweep(bins, axis, low, scale, &best);
+    }
+    return best;
+}
+
+static uint32_t partition(struct item *items, uint32_t count, const struct split *split)
+{
+    uint32_t left = 0, right = count;
+    while (left < right) {
+        if (bin_of(&items[left], split->axis, split->low, split->scale) < split->bin) {
+            left++;
+        } else {
+            struct item swap = items[left];
+            items[left] = items[--right];
+            items[right] = swap;
+        }
+    }
+    return left;
+}
+
+static struct range range_of(const struct builder *builder, uint32_t begin, uint32_t end, int depth)
+{
+    struct range range = {begin, end, EMPTY, depth};
+    for (uint32_t i = begin; i < end; i++)
+        box_include(&range.box, &builder->items[i].box);
+    return range;
+}
+
+// Splits `range` in two; false if it should be a leaf.
+static bool range_split(const struct builder *builder, const struct range *range,
+                        struct range out[2])
+{
+    struct item *items = builder->items + range->begin;
+    uint32_t count = range->end - range->begin, middle = count / 2;
+    if (count < 2)
+        return false;
+    if (range->depth < DEPTH_HALVE) {
+        struct split split = find_split(items, count);
+        float area = box_half_area(&range->box), total = (float)count;
+        bool pays = area + COST_PRIMITIVE * split.cost < COST_PRIMITIVE * total * area;
+        if (count <= LEAF_MAX && !pays)
+            return false;
+        if (split.cost < INFINITY)
+            middle = partition(items, count, &split);
+    } else if (count <= LEAF_MAX) {
+        return false;
+    }
+    out[0] = range_of(builder, range->begin, range->begin + middle, range->depth + 1);
+    out[1] = range_of(builder, range->begin + middle, range->end, range->depth + 1);
+    return true;
+}
+
+static void node_set_child(struct rb_bvh_node *node, int child, const struct range *range)
+{
+    for (int k = 0; k < 3; k++) {
+        node->bounds[k][0][child] = range->box.low[k];
+        node->bounds[k][1][child] = range->box.high[k];
+    }
+    node->child[child] = range->begin;
+    node->count[child] = range->end - range->begin;
+}
+
+// Builds the inner node of a range that splits into `halves`, and everything below it, at
+// nodes[*next] onwards; returns its index.
+static uint32_t build_node(const struct builder *builder, const struct range halves[2],
+                           uint32_t *next)
+{
+    uint32_t index = (*next)++;
+    for (int c = 0; c < 2; c++) {
+        struct range quarters[2];
+        node_set_child(&builder->nodes[index], c, &halves[c]);
+        if (range_split(builder, &halves[c], quarters)) {
+            builder->nodes[index].count[c] = 0;
+            builder->nodes[index].child[c] = build_node(builder, quarters, next);
+        }
+    }
+    return index;
+}
+
+// A range that one worker builds: a child of a node of the top tree.
+struct subtree {
+    struct range range;
+    uint32_t parent;
+    int child;
+    uint32_t node_count; // nodes made, in slots range.begin onwards
+    uint32_t place;      // where they end up
+};
+
+// The top of the tree: nodes and the open ends below them, both in order of creation.
+struct top {
+    struct rb_bvh_node nodes[SUBTREES];
+    struct subtree open[SUBTREES];
+    uint32_t node_count, open_count;
+};
+
+static void top_open(struct top *top, const struct range halves[2], uint32_t first_slot)
+{
+    uint32_t index = top->node_count++;
+    for (int c = 0; c < 2; c++) {
+        node_set_child(&top->nodes[index], c, &halves[c]);
+        uint32_t slot = c == 0 ? first_slot : top->open_count++;
+        top->open[slot] = (struct subtree){.range = halves[c], .parent = index, .child = c};
+    }
+}
+
+// Splits the largest open range again and again.
+static void build_top(const struct builder *builder, const struct range halves[2], struct top *top)
+{
+    top->open_count = 1;
+    top_open(top, halves, 0);
+    while (top->open_count < SUBTREES) {
+        uint32_t largest = 0;
+        for (uint32_t i = 1; i < top->open_count; i++) {
+            const struct range *a = &top->open[i].range, *b = &top->open[largest].range;
+            if (a->end - a->begin > b->end - b->begin)
+                largest = i;
+        }
+        struct subtree open = top->open[largest];
+        struct range quarters[2];
+        if (open.range.end - open.range.begin < SUBTREE_MIN ||
+            !range_split(builder, &open.range, quarters))
+            break;
+        top->nodes[open.parent].count[open.child] = 0;
+        top->nodes[open.parent].child[open.child] = top->node_count;
+        top_open(top, quarters, largest);
+    }
+}
+
+static void build_subtree(const struct builder *builder, struct subtree *subtree)
+{
+    struct range halves[2];
+    uint32_t next = subtree->range.begin;
+    if (range_split(builder, &subtree->range, halves))
+        build_node(builder, halves, &next);
+    subtree->node_count = next - subtree->range.begin;
+}
+
+// Copies a finished subtree from its slots to its place in the tree.
+static void place_subtree(const struct builder *builder, const struct subtree *subtree,
+                          struct rb_bvh_node *nodes)
+{
+    uint32_t begin = subtree->range.begin;
+    for (uint32_t i = 0; i < subtree->node_count; i++) {
+        struct rb_bvh_node node = builder->nodes[begin + i];
+        for (int c = 0; c < 2; c++)
+            if (node.count[c] == 0)
+                node.child[c] += subtree->place - begin;
+        nodes[subtree->place + i] = node;
+    }
+    if (subtree->node_count) {
+        nodes[subtree->parent].count[subtree->child] = 0;
+        nodes[subtree->parent].child[subtree->child] = subtree->place;
+    }
+}
+
+static double node_cost(const struct rb_bvh_node *node)
+{
+    double cost = 0;
+    for (int c = 0; c < 2; c++) {
+        struct box box;
+        for (int k = 0; k < 3; k++) {
+            box.low[k] = node->bounds[k][0][c];
+            box.high[k] = node->bounds[k][1][c];
+        }
+        double weight = node->count[c] ? (double)COST_PRIMITIVE * node->count[c] : 1.0;
+        cost += box.low[0] <= box.high[0] ? (double)box_half_area(&box) * weight : 0.0;
+    }
+    return cost;
+}
+
+static enum rb_status assemble(const struct builder *builder, struct top *top, int threads,
+                               struct rb_bvh *bvh)
+{
+    (void)threads;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+    for (uint32_t i = 0; i < top->open_count; i++)
+        build_subtree(builder, &top->open[i]);
+
+    bvh->node_count = top->node_count;
+    for (uint32_t i = 0; i < top->open_count; i++) {
+        top->open[i].place = bvh->node_count;
+        bvh->node_count += top->open[i].node_count;
+    }
+    bvh->nodes = rb_alloc(bvh->node_count, sizeof *bvh->nodes);
+    if (!bvh->nodes)
+        return RB_FAILED;
+    memcpy(bvh->nodes, top->nodes, top->node_count * sizeof *bvh->nodes);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+    for (uint32_t i = 0; i < top->open_count; i++)
+        place_subtree(builder, &top->open[i], bvh->nodes);
+    for (uint32_t i = 0; i < bvh->ref_count; i++)
+        bvh->refs[i] = builder->items[i].id;
+    return RB_OK;
+}
+
+static enum rb_status build(const struct rb_scene *scene, int threads, struct builder *builder,
+                            struct top *top, struct rb_bvh *bvh)
+{
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (uint32_t i = 0; i < bvh->ref_count; i++) {
+        struct item *item = &builder->items[i];
+        item->id = i;
+        rb_scene_bounds(scene, i, item->box.low, item->box.high);
+    }
+    struct range root = range_of(builder, 0, bvh->ref_count, 0);
+    struct range halves[2] = {root, {.box = EMPTY}};
+    range_split(builder, &root, halves); // else one leaf and an empty child
+    build_top(builder, halves, top);
+    enum rb_status status = assemble(builder, top, threads, bvh);
+    double area = (double)box_half_area(&root.box), cost = 0;
+    for (uint32_t i = 0; status == RB_OK && i < bvh->node_count; i++)
+        cost += node_cost(&bvh->nodes[i]);
+    bvh->sah_cost = area > 0 ? 1.0 + cost / area : 1.0;
+    return status;
+}
+
+enum rb_status rb_bvh_build(const struct rb_scene *scene, int threads, struct rb_bvh *bvh,
+                            struct rb_error *error)
+{
+    *bvh = (struct rb_bvh){.ref_count = scene->bounded_count};
+    if (bvh->ref_count == 0)
+        return RB_OK;
+    enum rb_status status = RB_FAILED;
+    struct builder builder = {
+        .items = rb_alloc(bvh->ref_count, sizeof *builder.items),
+        .nodes = rb_alloc(bvh->ref_count, sizeof *builder.nodes),
+    };
+    struct top *top = rb_alloc(1, sizeof *top);
+    bvh->refs = rb_alloc(bvh->ref_count, sizeof *bvh->refs);
+    if (builder.items && builder.nodes && top && bvh->refs)
+        status = build(scene, threads, &builder, top, bvh);
+    if (status == RB_OK)
+        bvh->bytes = bvh->node_count * sizeof *bvh->nodes + bvh->ref_count * sizeof *bvh->refs;
+    else
+        rb_bvh_free(bvh), rb_error_memory(error, "the bounding volume hierarchy");
+    rb_free(builder.items);
+    rb_free(builder.nodes);
+    rb_free(top);
+    return status;
+}
+
+void rb_bvh_free(struct rb_bvh *bvh)
+{
+    rb_free(bvh->nodes);
+    rb_free(bvh->refs);
+    *bvh = (struct rb_bvh){0};
+}

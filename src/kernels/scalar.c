@@ -1,0 +1,181 @@
+// Scalar bodies of the kernels that do not trace: camera rays, surfaces, lights. They are the
+// reference for every SIMD body and serve all kernel sets that bring none of their own.
+#include "kernels/shade.h"
+
+static uint32_t append_ray(struct rb_rays *rays, struct rb_vec o, struct rb_vec d)
+{
+    uint32_t i = rays->count++;
+    rays->ox[i] = o.x, rays->oy[i] = o.y, rays->oz[i] = o.z;
+    rays->dx[i] = d.x, rays->dy[i] = d.y, rays->dz[i] = d.z;
+    return i;
+}
+
+static void generate_ray(const struct rb_view *view, int x, int y, uint32_t sample,
+                         struct rb_rays *out)
+{
+    uint32_t pixel = (uint32_t)y * (uint32_t)view->width + (uint32_t)x;
+    float sx = view->center, sy = view->center;
+    if (view->aa > 1) {
+        float n = (float)view->aa;
+        float a = rb_random(view->seed, pixel, sample, 1, RB_DIMENSION_PIXEL);
+        float b = rb_random(view->seed, pixel, sample, 1, RB_DIMENSION_PIXEL + 1);
+        sx = ((float)(sample % view->aa) + a) / n;
+        sy = ((float)(sample / view->aa) + b) / n;
+    }
+    struct rb_vec d = rb_vec_mad(rb_vec_of(view->corner), (float)x + sx, rb_vec_of(view->right));
+    d = rb_vec_mad(d, (float)y + sy, rb_vec_of(view->down));
+    uint32_t i = append_ray(out, rb_vec_of(view->from), rb_normalize(d));
+    out->weight[i] = 1.0f;
+    out->pixel[i] = pixel;
+    out->path[i] = 1;
+    out->self[i] = RB_NONE;
+    out->media[i] = 0;
+}
+
+void rb_scalar_generate(const struct rb_view *view, const struct rb_span *span, struct rb_rays *out)
+{
+    for (int by = span->y0; by < span->y1; by += RB_BLOCK)
+        for (int bx = span->x0; bx < span->x1; bx += RB_BLOCK)
+            for (int y = by; y < by + RB_BLOCK && y < span->y1; y++)
+                for (int x = bx; x < bx + RB_BLOCK && x < span->x1; x++)
+                    generate_ray(view, x, y, span->sample, out);
+}
+
+// What ray i met, as the secondary rays need it.
+struct surface {
+    const struct rb_material *material;
+    struct rb_vec d, n;       // ray direction; shading normal turned against it
+    struct rb_vec near, far;  // starting points on the viewer's side and on the other side
+    uint32_t prim;
+    bool entering;
+};
+
+static struct surface surface_of_hit(const struct rb_scene *scene, const struct rb_rays *rays,
+                                     const struct rb_hits *hits, uint32_t i)
+{
+    struct rb_vec o = {rays->ox[i], rays->oy[i], rays->oz[i]};
+    struct rb_vec d = {rays->dx[i], rays->dy[i], rays->dz[i]};
+    struct rb_hit hit = {hits->t[i], hits->u[i], hits->v[i], hits->prim[i]};
+    struct rb_point point = rb_point_of_hit(scene, o, d, &hit);
+    struct rb_vec side = rb_turned(point.geometric, d);
+    return (struct surface){
+        .material = &scene->materials[scene->material_of[hit.prim]],
+        .d = d,
+        .n = rb_turned(point.shading, d),
+        .near = rb_vec_mad(point.p, point.offset, side),
+        .far = rb_vec_mad(point.p, -point.offset, side),
+        .prim = hit.prim,
+        .entering = rb_dot(d, point.geometric) < 0.0f,
+    };
+}
+
+static void append_surface(struct rb_surfaces *out, const struct surface *surface,
+                           const struct rb_scene *scene, const struct rb_rays *rays, uint32_t ray)
+{
+    uint32_t i = out->count++;
+    out->px[i] = surface->near.x, out->py[i] = surface->near.y, out->pz[i] = surface->near.z;
+    out->nx[i] = surface->n.x, out->ny[i] = surface->n.y, out->nz[i] = surface->n.z;
+    out->vx[i] = -surface->d.x, out->vy[i] = -surface->d.y, out->vz[i] = -surface->d.z;
+    out->weight[i] = rays->weight[ray];
+    out->pixel[i] = rays->pixel[ray];
+    out->path[i] = rays->path[ray];
+    out->prim[i] = surface->prim;
+    out->material[i] = scene->material_of[surface->prim];
+}
+
+// Path index of a child: 2p for the reflected, 2p + 1 for the refracted ray.
+static void append_secondary(struct rb_rays *out, struct rb_vec o, struct rb_vec d, float weight,
+                             const struct rb_rays *parent, uint32_t ray, uint32_t child,
+                             uint32_t self, uint64_t media)
+{
+    uint32_t i = append_ray(out, o, d);
+    out->weight[i] = parent->weight[ray] * weight;
+    out->pixel[i] = parent->pixel[ray];
+    out->path[i] = 2 * parent->path[ray] + child;
+    out->self[i] = self;
+    out->media[i] = media;
+}
+
+static void spawn(const struct rb_scene *scene, const struct surface *surface,
+                  const struct rb_rays *rays, uint32_t i, struct rb_rays *reflected,
+                  struct rb_rays *refracted)
+{
+    const struct rb_material *material = surface->material;
+    if (material->ks > 0.0f || material->t > 0.0f)
+        append_secondary(reflected, surface->near, rb_reflect(surface->d, surface->n),
+                         material->ks, rays, i, 0, surface->prim, rays->media[i]);
+    if (!(material->t > 0.0f))
+        return;
+    struct rb_crossing crossing =
+        rb_media_cross(scene, material, rays->media[i], surface->entering);
+    struct rb_vec d;
+    if (rb_refract(surface->d, surface->n, crossing.from, crossing.to, &d))
+        append_secondary(refracted, surface->far, d, material->t, rays, i, 1, surface->prim,
+                         crossing.media);
+}
+
+void rb_scalar_surface(const struct rb_world *world, const struct rb_shading *shading,
+                       const struct rb_rays *rays, const struct rb_hits *hits,
+                       struct rb_surfaces *surfaces, struct rb_rays *reflected,
+                       struct rb_rays *refracted, struct rb_film *film)
+{
+    const struct rb_scene *scene = world->scene;
+    for (uint32_t i = 0; i < rays->count; i++) {
+        float weight = rays->weight[i];
+        if (hits->prim[i] == RB_NONE) {
+            rb_film_add(film, rays->pixel[i], weight * scene->background[0],
+                        weight * scene->background[1], weight * scene->background[2]);
+            continue;
+        }
+        struct surface surface = surface_of_hit(scene, rays, hits, i);
+        append_surface(surfaces, &surface, scene, rays, i);
+        if (shading->ambient != 0.0f) {
+            float ambient = weight * (shading->ambient * surface.material->kd);
+            const float *color = surface.material->color;
+            rb_film_add(film, rays->pixel[i], ambient * color[0], ambient * color[1],
+                        ambient * color[2]);
+        }
+        if (reflected)
+            spawn(scene, &surface, rays, i, reflected, refracted);
+    }
+}
+
+static void light_surface(const struct rb_scene *scene, const struct rb_shading *shading,
+                          const struct rb_surfaces *surfaces, uint32_t i,
+                          const struct rb_light_sample *sample, struct rb_shadows *out)
+{
+    const struct rb_light *light = &scene->lights[sample->light];
+    const struct rb_material *material = &scene->materials[surfaces->material[i]];
+    struct rb_vec p = {surfaces->px[i], surfaces->py[i], surfaces->pz[i]};
+    struct rb_vec n = {surfaces->nx[i], surfaces->ny[i], surfaces->nz[i]};
+    struct rb_vec v = {surfaces->vx[i], surfaces->vy[i], surfaces->vz[i]};
+    struct rb_vec target = rb_light_point(shading, rb_vec_of(light->position), sample,
+                                          surfaces->pixel[i], surfaces->path[i]);
+    struct rb_vec to_light = rb_vec_sub(target, p);
+    float distance = sqrtf(rb_dot(to_light, to_light));
+    struct rb_vec l = rb_vec_scale(to_light, 1.0f / distance);
+    float cosine = rb_dot(n, l);
+    if (!(cosine > 0.0f))
+        return;
+    float share = shading->light_scale / (float)shading->light_samples * surfaces->weight[i];
+    float diffuse = material->kd * cosine * share;
+    float highlight = material->ks > 0.0f ? rb_highlight(shading, n, l, v, material->shine) : 0.0f;
+    float specular = material->ks * highlight * share;
+    uint32_t k = out->count++;
+    out->ox[k] = p.x, out->oy[k] = p.y, out->oz[k] = p.z;
+    out->dx[k] = l.x, out->dy[k] = l.y, out->dz[k] = l.z;
+    out->distance[k] = distance;
+    out->r[k] = (diffuse * material->color[0] + specular) * light->color[0];
+    out->g[k] = (diffuse * material->color[1] + specular) * light->color[1];
+    out->b[k] = (diffuse * material->color[2] + specular) * light->color[2];
+    out->pixel[k] = surfaces->pixel[i];
+    out->self[k] = surfaces->prim[i];
+}
+
+void rb_scalar_light(const struct rb_world *world, const struct rb_shading *shading,
+                     const struct rb_surfaces *surfaces, const struct rb_light_sample *sample,
+                     struct rb_shadows *shadows)
+{
+    for (uint32_t i = 0; i < surfaces->count; i++)
+        light_surface(world->scene, shading, surfaces, i, sample, shadows);
+}

@@ -1,0 +1,96 @@
+// The command line: picks the sub-command, and keeps the promises that hold for all of them (exit
+// codes, no half-written file after a signal, no lost output).
+#define _POSIX_C_SOURCE 200809L
+#include "base/file.h"
+#include "bench/bench.h"
+#include "cli/commands.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define VERSION "0.1.0"
+
+static const struct rb_command *const commands[] = {
+    &rb_command_render, &rb_command_pixel, &rb_command_info,
+    &rb_command_scene,  &rb_command_list,  &rb_command_bench,
+};
+
+enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
+
+static void print_help(void)
+{
+    printf("raybench measures a ray tracer: time per ray, per kernel, per bounce.\n\n"
+           "usage: raybench COMMAND [arguments]\n\n");
+    for (int i = 0; i < COMMAND_COUNT; i++)
+        printf("  %-8s %s\n", commands[i]->name, commands[i]->summary);
+    printf("\nraybench COMMAND --help explains a command; raybench --version prints the version.\n"
+           "Start with: raybench render balls_high -o balls.ppm\n\n"
+           "Exit codes: 0 fine, 1 runtime failure (memory, disk), 2 bad usage or input.\n");
+}
+
+static void remove_partial_output(int signal_number)
+{
+    rb_output_discard_on_signal();
+    signal(signal_number, SIG_DFL);
+    raise(signal_number);
+}
+
+static void catch_signals(void)
+{
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    struct sigaction action = {.sa_handler = remove_partial_output};
+    sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        sigaction(numbers[i], &action, NULL);
+}
+
+static int dispatch(const struct rb_command *command, int count, char **words)
+{
+    struct rb_arguments arguments = {0};
+    struct rb_error error = {0};
+    if (rb_options_parse(command, count, words, &arguments, &error)) {
+        struct rb_error hinted = error;
+        snprintf(hinted.text, sizeof hinted.text, "%.300s (see raybench %s --help)", error.text,
+                 command->name);
+        return rb_report(RB_INVALID, &hinted);
+    }
+    if (arguments.help) {
+        rb_options_help(command);
+        return 0;
+    }
+    return command->run(&arguments);
+}
+
+static int run(int argc, char **argv)
+{
+    const char *name = argc > 1 ? argv[1] : "";
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+        print_help();
+        return 0;
+    }
+    if (strcmp(name, "--version") == 0) {
+        printf("raybench " VERSION "\n");
+        return 0;
+    }
+    for (int i = 0; i < COMMAND_COUNT; i++)
+        if (strcmp(name, commands[i]->name) == 0)
+            return dispatch(commands[i], argc - 2, argv + 2);
+    if (argc > 1)
+        fprintf(stderr, "raybench: there is no command '%s'; see raybench --help\n", name);
+    else
+        fprintf(stderr, "raybench: no command given; see raybench --help\n");
+    return RB_INVALID;
+}
+
+int main(int argc, char **argv)
+{
+    catch_signals();
+    int code = run(argc, argv);
+    if ((fflush(stdout) != 0 || ferror(stdout)) && code == 0) {
+        perror("raybench: cannot write to standard output");
+        return RB_FAILED;
+    }
+    return code;
+}

@@ -1,0 +1,163 @@
+// The wavefront pipeline of one worker: tile by tile, sample by sample, batch by batch
+//
+//     generate -> [ trace -> surface -> (light -> trace_shadow -> resolve)* ] -> children
+//
+// with a probe after each stage and nowhere else. Stages rather than recursion per ray is what makes
+// their time measurable and their rays packable (Laine, Karras, Aila 2013, "Megakernels considered
+// harmful"). Bounces are walked depth first by batches, so memory is bounded by depth, not by the
+// number of rays.
+#include "base/fpenv.h"
+#include "base/hash.h"
+#include "render/frame.h"
+
+static uint64_t hash_hits(const struct rb_rays *rays, const struct rb_hits *hits, uint32_t sample)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < rays->count; i++) {
+        uint64_t h = rb_hash_word(sample, (uint64_t)rays->pixel[i] << 32 | rays->path[i]);
+        h = rb_hash_word(h, (uint64_t)hits->prim[i] << 32 | rb_float_bits(hits->t[i]));
+        h = rb_hash_word(h, (uint64_t)rb_float_bits(hits->u[i]) << 32 | rb_float_bits(hits->v[i]));
+        sum += h;
+    }
+    return sum;
+}
+
+static void resolve_shadows(struct rb_film *film, const struct rb_shadows *shadows)
+{
+    for (uint32_t i = 0; i < shadows->count; i++)
+        if (!shadows->occluded[i])
+            rb_film_add(film, shadows->pixel[i], shadows->r[i], shadows->g[i], shadows->b[i]);
+}
+
+static void flush_shadows(struct rb_worker *worker, int bounce)
+{
+    struct rb_frame *frame = worker->frame;
+    struct rb_shadows *shadows = &worker->queues.shadows;
+    if (shadows->count == 0)
+        return;
+    frame->kernels->trace_shadow(&frame->world, shadows);
+    rb_probe_lap(&worker->recorder, RB_STAGE_TRACE_SHADOW, bounce, shadows->count);
+    resolve_shadows(&frame->film, shadows);
+    shadows->count = 0;
+    rb_probe_lap(&worker->recorder, RB_STAGE_RESOLVE, bounce, 0);
+}
+
+// Light after light, so that the shadow rays of one light stay together.
+static void light_surfaces(struct rb_worker *worker, int bounce)
+{
+    const struct rb_frame *frame = worker->frame;
+    const struct rb_surfaces *surfaces = &worker->queues.surfaces;
+    struct rb_shadows *shadows = &worker->queues.shadows;
+    struct rb_light_sample sample = {.pixel_sample = worker->sample};
+    for (; sample.light < frame->world.scene->light_count; sample.light++) {
+        for (sample.sample = 0; sample.sample < frame->shading.light_samples; sample.sample++) {
+            if (shadows->count + surfaces->count > shadows->capacity)
+                flush_shadows(worker, bounce);
+            frame->kernels->light(&frame->world, &frame->shading, surfaces, &sample, shadows);
+            rb_probe_lap(&worker->recorder, RB_STAGE_SHADE, bounce, 0);
+        }
+    }
+    flush_shadows(worker, bounce);
+}
+
+static void trace_children(struct rb_worker *worker, uint32_t reflected, uint32_t refracted,
+                           int bounce);
+
+// Everything that becomes of the rays [first, first + count) of the queue of `bounce`.
+static void trace_batch(struct rb_worker *worker, int bounce, uint32_t first, uint32_t count)
+{
+    const struct rb_frame *frame = worker->frame;
+    struct rb_queues *queues = &worker->queues;
+    struct rb_recorder *recorder = &worker->recorder;
+    struct rb_rays rays = rb_rays_view(&queues->rays[bounce], first, count, count);
+    bool last = bounce + 1 == frame->settings.depth;
+    struct rb_rays reflected = {0}, refracted = {0};
+    if (!last) {
+        struct rb_rays *next = &queues->rays[bounce + 1];
+        reflected = rb_rays_view(next, 0, 0, queues->batch);
+        refracted = rb_rays_view(next, queues->batch, 0, queues->batch);
+    }
+    rb_probe_lap(recorder, RB_STAGE_OTHER, bounce, 0);
+
+    frame->kernels->trace(&frame->world, &rays, &queues->hits);
+    rb_probe_lap(recorder, RB_STAGE_TRACE, bounce, count);
+    if (frame->hash_hits)
+        worker->hits_hash += hash_hits(&rays, &queues->hits, worker->sample);
+    rb_probe_lap(recorder, RB_STAGE_OTHER, bounce, 0);
+
+    queues->surfaces.count = 0;
+    frame->kernels->surface(&frame->world, &frame->shading, &rays, &queues->hits, &queues->surfaces,
+                            last ? NULL : &reflected, last ? NULL : &refracted,
+                            &worker->frame->film);
+    recorder->hits[bounce] += queues->surfaces.count;
+    rb_probe_lap(recorder, RB_STAGE_SHADE, bounce, count);
+    light_surfaces(worker, bounce);
+    if (!last)
+        trace_children(worker, reflected.count, refracted.count, bounce + 1);
+}
+
+// The children lie in two runs, at the start and in the middle of their queue. They are traced
+// together, or in two batches if they are too many.
+static void trace_children(struct rb_worker *worker, uint32_t reflected, uint32_t refracted,
+                           int bounce)
+{
+    struct rb_queues *queues = &worker->queues;
+    worker->recorder.reflected[bounce] += reflected;
+    worker->recorder.refracted[bounce] += refracted;
+    rb_rays_move(&queues->rays[bounce], reflected, queues->batch, refracted);
+    uint32_t count = reflected + refracted;
+    for (uint32_t first = 0; first < count; first += queues->batch) {
+        uint32_t rest = count - first;
+        trace_batch(worker, bounce, first, rest < queues->batch ? rest : queues->batch);
+    }
+}
+
+static void render_span(struct rb_worker *worker, const struct rb_span *span)
+{
+    struct rb_rays *rays = &worker->queues.rays[0];
+    rays->count = 0;
+    rb_probe_lap(&worker->recorder, RB_STAGE_OTHER, 0, 0);
+    worker->frame->kernels->generate(&worker->frame->view, span, rays);
+    rb_probe_lap(&worker->recorder, RB_STAGE_GENERATE, 0, rays->count);
+    trace_batch(worker, 0, 0, rays->count);
+}
+
+static int min_int(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+// A tile larger than a batch is rendered in strips of whole blocks.
+static void render_tile(struct rb_worker *worker, uint32_t tile)
+{
+    const struct rb_frame *frame = worker->frame;
+    int edge = frame->settings.tile;
+    int x0 = (int)tile % frame->tiles_x * edge, y0 = (int)tile / frame->tiles_x * edge;
+    int x1 = min_int(x0 + edge, frame->view.width), y1 = min_int(y0 + edge, frame->view.height);
+    int strip = (int)worker->queues.batch / edge / RB_BLOCK * RB_BLOCK;
+    uint32_t samples = frame->view.aa * frame->view.aa;
+    for (worker->sample = 0; worker->sample < samples; worker->sample++)
+        for (int y = y0; y < y1; y += strip) {
+            struct rb_span span = {x0, y, x1, min_int(y + strip, y1), worker->sample};
+            render_span(worker, &span);
+        }
+}
+
+void rb_worker_run(struct rb_worker *worker)
+{
+    struct rb_frame *frame = worker->frame;
+    fenv_t saved;
+    rb_fpenv_enter(&saved);
+    rb_probe_start(&worker->recorder);
+    for (;;) {
+        uint32_t next = atomic_fetch_add(&frame->next_tile, 1);
+        if (next >= frame->tile_count)
+            break;
+        render_tile(worker, frame->tiles ? frame->tiles[next] : next);
+        uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
+        if (frame->progress && worker->reports)
+            frame->progress(frame->user, done, frame->tile_count);
+        rb_probe_lap(&worker->recorder, RB_STAGE_OTHER, 0, 0);
+    }
+    rb_fpenv_leave(&saved);
+}

@@ -1,0 +1,38 @@
+// The queues of one worker, in one block of memory sized for the second-level cache.
+//
+// Bounce d has a ray queue of its own; hits, surfaces and shadow rays are shared by all bounces,
+// because a batch is finished with them before its children are traced. A batch of at most `batch`
+// rays has at most twice as many children, which are traced as one or two batches: queues split,
+// they never grow. Not thread-safe; one worker owns it.
+#ifndef RB_RENDER_QUEUES_H
+#define RB_RENDER_QUEUES_H
+
+#include "base/status.h"
+#include "kernels/kernel.h"
+
+enum { RB_BATCH_MAX = 4096 };
+
+struct rb_queues {
+    uint32_t batch; // most rays a kernel gets at once
+    struct rb_rays rays[RB_DEPTH_MAX];
+    struct rb_hits hits;
+    struct rb_surfaces surfaces;
+    struct rb_shadows shadows;
+    void *memory;
+    size_t bytes;
+};
+
+// `depth` levels of batches of `batch` rays. Release with rb_queues_free.
+enum rb_status rb_queues_alloc(struct rb_queues *queues, uint32_t batch, int depth,
+                               struct rb_error *error);
+void rb_queues_free(struct rb_queues *queues);
+
+// The part of a ray queue from `first` on: a view with room for `capacity` rays, `count` of them
+// there.
+struct rb_rays rb_rays_view(const struct rb_rays *rays, uint32_t first, uint32_t count,
+                            uint32_t capacity);
+
+// Moves `count` rays from index `from` down to index `to`.
+void rb_rays_move(struct rb_rays *rays, uint32_t to, uint32_t from, uint32_t count);
+
+#endif

@@ -1,0 +1,194 @@
+#include "render/renderer.h"
+
+#include "accel/bvh.h"
+#include "base/fpenv.h"
+#include "base/hash.h"
+#include "base/memory.h"
+#include "render/frame.h"
+#include "render/inside.h"
+
+#include <string.h>
+
+static int worker_count(const struct rb_renderer *renderer)
+{
+    return rb_variant_parallel(renderer->variant) ? renderer->frame.settings.threads : 1;
+}
+
+static enum rb_status build_accelerator(struct rb_renderer *renderer, struct rb_error *error)
+{
+    if (renderer->variant->accelerator == RB_ACCEL_NONE)
+        return RB_OK;
+    uint64_t start_ns = rb_clock_ns();
+    enum rb_status status =
+        rb_bvh_build(renderer->frame.world.scene, worker_count(renderer), &renderer->bvh, error);
+    renderer->build_ns = rb_clock_ns() - start_ns;
+    renderer->frame.world.bvh = &renderer->bvh;
+    return status;
+}
+
+static enum rb_status allocate(struct rb_renderer *renderer, struct rb_error *error)
+{
+    struct rb_frame *frame = &renderer->frame;
+    size_t pixels = (size_t)frame->settings.width * (size_t)frame->settings.height;
+    frame->film.rgb = rb_alloc(pixels, 3 * sizeof *frame->film.rgb);
+    renderer->workers = rb_alloc((size_t)worker_count(renderer), sizeof *renderer->workers);
+    if (!frame->film.rgb || !renderer->workers)
+        return rb_error_memory(error, "the image");
+    uint32_t tile_pixels = (uint32_t)(frame->settings.tile * frame->settings.tile);
+    uint32_t batch = tile_pixels < RB_BATCH_MAX ? tile_pixels : RB_BATCH_MAX;
+    for (int i = 0; i < worker_count(renderer); i++) {
+        struct rb_worker *worker = &renderer->workers[i];
+        worker->frame = frame;
+        worker->reports = i == 0;
+        if (rb_queues_alloc(&worker->queues, batch, frame->settings.depth, error))
+            return RB_FAILED;
+    }
+    return RB_OK;
+}
+
+static enum rb_status prepare(struct rb_renderer *renderer, struct rb_error *error)
+{
+    struct rb_frame *frame = &renderer->frame;
+    const struct rb_scene *scene = frame->world.scene;
+    enum rb_status status = rb_settings_complete(&frame->settings, scene, error);
+    if (status)
+        return status;
+    frame->kernels = renderer->variant->kernels;
+    frame->world.one_sided = frame->settings.spd;
+    frame->view = rb_view_make(scene, &frame->settings);
+    frame->shading = rb_shading_make(scene, &frame->settings);
+    frame->film.width = frame->settings.width;
+    frame->film.height = frame->settings.height;
+    frame->tiles_x = (frame->film.width - 1) / frame->settings.tile + 1;
+    frame->tiles_y = (frame->film.height - 1) / frame->settings.tile + 1;
+    status = allocate(renderer, error);
+    return status ? status : build_accelerator(renderer, error);
+}
+
+enum rb_status rb_renderer_create(const struct rb_scene *scene, const struct rb_variant *variant,
+                                  const struct rb_settings *settings,
+                                  struct rb_renderer **renderer, struct rb_error *error)
+{
+    *renderer = NULL;
+    if (!rb_variant_available(variant))
+        return rb_error_set(error, RB_INVALID, "variant %s needs %s, which this build has not",
+                            variant->name, variant->needs);
+    struct rb_renderer *made = rb_alloc(1, sizeof *made);
+    if (!made)
+        return rb_error_memory(error, "the renderer");
+    made->variant = variant;
+    made->frame.world.scene = scene;
+    made->frame.settings = *settings;
+    rb_clock_ns_per_tick(); // calibrates before there are threads
+    fenv_t saved;
+    rb_fpenv_enter(&saved);
+    enum rb_status status = prepare(made, error);
+    rb_fpenv_leave(&saved);
+    if (status)
+        rb_renderer_free(made);
+    else
+        *renderer = made;
+    return status;
+}
+
+void rb_renderer_free(struct rb_renderer *renderer)
+{
+    if (!renderer)
+        return;
+    for (int i = 0; renderer->workers && i < worker_count(renderer); i++)
+        rb_queues_free(&renderer->workers[i].queues);
+    rb_free(renderer->workers);
+    rb_free(renderer->frame.film.rgb);
+    rb_bvh_free(&renderer->bvh);
+    rb_free(renderer);
+}
+
+float rb_film_value(const struct rb_frame *frame, size_t index)
+{
+    double samples = (double)(frame->view.aa * frame->view.aa);
+    return (float)((double)(int64_t)frame->film.rgb[index] * 0x1p-32 / samples);
+}
+
+// Tiles that were not rendered are black in every row's film, so they need not be left out.
+static uint64_t image_hash(const struct rb_frame *frame)
+{
+    size_t count = 3 * (size_t)frame->film.width * (size_t)frame->film.height;
+    uint64_t hash = (uint64_t)frame->film.width << 32 | (uint64_t)frame->film.height;
+    for (size_t i = 0; i < count; i++)
+        hash = rb_hash_word(hash, rb_float_bits(rb_film_value(frame, i)));
+    return hash;
+}
+
+void rb_film_clear(struct rb_film *film)
+{
+    memset(film->rgb, 0, 3 * sizeof *film->rgb * (size_t)film->width * (size_t)film->height);
+}
+
+void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *options,
+                     struct rb_run_result *result)
+{
+    static const struct rb_run_options defaults;
+    struct rb_frame *frame = &renderer->frame;
+    options = options ? options : &defaults;
+    frame->tiles = options->tiles;
+    frame->tile_count = options->tiles ? options->tile_count : rb_renderer_tile_count(renderer);
+    frame->hash_hits = options->hash_hits;
+    frame->progress = options->progress;
+    frame->user = options->user;
+    atomic_store(&frame->next_tile, 0);
+    atomic_store(&frame->tiles_done, 0);
+    int count = worker_count(renderer);
+    for (int i = 0; i < count; i++) {
+        renderer->workers[i].recorder = (struct rb_recorder){0};
+        renderer->workers[i].hits_hash = 0;
+    }
+    rb_film_clear(&frame->film);
+
+    fenv_t saved;
+    rb_fpenv_enter(&saved);
+    uint64_t start_ns = rb_clock_ns();
+    renderer->variant->schedule(frame, renderer->workers, count);
+    *result = (struct rb_run_result){.wall_ns = rb_clock_ns() - start_ns};
+    for (int i = 0; i < count; i++) {
+        rb_recorder_add(&result->recorder, &renderer->workers[i].recorder);
+        result->hits_hash += renderer->workers[i].hits_hash;
+    }
+    result->image_hash = image_hash(frame);
+    rb_fpenv_leave(&saved);
+}
+
+void rb_renderer_pixels(const struct rb_renderer *renderer, float *pixels)
+{
+    const struct rb_film *film = &renderer->frame.film;
+    size_t count = 3 * (size_t)film->width * (size_t)film->height;
+    fenv_t saved;
+    rb_fpenv_enter(&saved);
+    for (size_t i = 0; i < count; i++)
+        pixels[i] = rb_film_value(&renderer->frame, i);
+    rb_fpenv_leave(&saved);
+}
+
+const struct rb_settings *rb_renderer_settings(const struct rb_renderer *renderer)
+{
+    return &renderer->frame.settings;
+}
+
+uint32_t rb_renderer_tile_count(const struct rb_renderer *renderer)
+{
+    return (uint32_t)renderer->frame.tiles_x * (uint32_t)renderer->frame.tiles_y;
+}
+
+int rb_renderer_thread_count(const struct rb_renderer *renderer)
+{
+    return worker_count(renderer);
+}
+
+uint64_t rb_renderer_build_ns(const struct rb_renderer *renderer)
+{
+    return renderer->build_ns;
+}
+
+size_t rb_renderer_accel_bytes(const struct rb_renderer *renderer)
+{
+    return renderer->bvh.bytes;
+}

@@ -1,0 +1,83 @@
+// A renderer: one scene, one row of the table, one set of settings, all memory taken in advance.
+//
+//     rb_renderer_create(&scene, variant, &settings, &renderer, &error);
+//     rb_renderer_run(renderer, NULL, &result);
+//     rb_renderer_pixels(renderer, pixels);
+//     rb_renderer_free(renderer);
+//
+// The same scene, settings and row give the same pixels and hits bit for bit, whatever the tile
+// size, the number of threads, the compiler and the row (if it is exact). A renderer is used by one
+// thread at a time; the scene must outlive it and may be shared.
+#ifndef RB_RENDER_RENDERER_H
+#define RB_RENDER_RENDERER_H
+
+#include "base/vec.h"
+#include "measure/probe.h"
+#include "render/settings.h"
+#include "render/variants.h"
+
+struct rb_renderer;
+
+// Builds the accelerator and takes the memory. RB_INVALID for settings out of range or a row that
+// is not available here; RB_FAILED without memory.
+enum rb_status rb_renderer_create(const struct rb_scene *scene, const struct rb_variant *variant,
+                                  const struct rb_settings *settings,
+                                  struct rb_renderer **renderer, struct rb_error *error);
+void rb_renderer_free(struct rb_renderer *renderer); // accepts NULL
+
+struct rb_run_options {
+    const uint32_t *tiles; // indices of the tiles to render; NULL for the whole frame
+    uint32_t tile_count;
+    bool hash_hits;        // costs time
+    // Called by one of the workers after each of its tiles; may be NULL.
+    void (*progress)(void *user, uint32_t done, uint32_t total);
+    void *user;
+};
+
+struct rb_run_result {
+    uint64_t wall_ns;
+    struct rb_recorder recorder; // sum over the threads
+    uint64_t hits_hash;          // of (sample, pixel, path, primitive, t, u, v) of every ray
+    uint64_t image_hash;         // of the linear pixels of the tiles rendered
+};
+
+// Renders into the renderer's own film, which starts black. `options` may be NULL. Cannot fail.
+void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *options,
+                     struct rb_run_result *result);
+
+// Linear pixels, rows from the top, RGB; `pixels` has room for 3 * width * height.
+void rb_renderer_pixels(const struct rb_renderer *renderer, float *pixels);
+
+// The settings with all defaults filled in.
+const struct rb_settings *rb_renderer_settings(const struct rb_renderer *renderer);
+uint32_t rb_renderer_tile_count(const struct rb_renderer *renderer);
+int rb_renderer_thread_count(const struct rb_renderer *renderer);
+uint64_t rb_renderer_build_ns(const struct rb_renderer *renderer);
+size_t rb_renderer_accel_bytes(const struct rb_renderer *renderer);
+
+// One pixel, step by step, through the kernels of the row, as an observer wants to see it.
+struct rb_pixel_ray {
+    int bounce;
+    uint32_t sample, path; // path 1 is the camera ray; 2p reflects, 2p + 1 refracts p
+    struct rb_vec o, d, n; // n: shading normal, turned towards the ray
+    float weight, t, u, v;
+    uint32_t prim, material; // prim RB_NONE: a miss, and the background is its colour
+    bool total_reflection;   // transparent and above the depth limit, but nothing is transmitted
+};
+struct rb_pixel_shadow {
+    uint32_t light, sample;
+    bool faces, occluded;
+    float color[3]; // added to the pixel unless occluded
+};
+struct rb_pixel_observer {
+    void *user;
+    // Each ray in depth-first order, followed by one call per light sample.
+    void (*ray)(void *user, const struct rb_pixel_ray *ray);
+    void (*shadow)(void *user, const struct rb_pixel_ray *ray, const struct rb_pixel_shadow *shadow);
+};
+
+// `color` gets the linear colour of the pixel, equal to that of a whole frame. The film is cleared.
+void rb_renderer_pixel(struct rb_renderer *renderer, int x, int y,
+                       const struct rb_pixel_observer *observer, float color[3]);
+
+#endif

@@ -1,0 +1,42 @@
+// THE table: every way to render, one row each. Tests, benchmarks and listings loop over it.
+//
+// Kernels, accelerator and schedule are independent columns. A row differs from its baseline by one
+// idea, so the table is the ladder from the reference to the fastest. Rows stand in order of speed:
+// the last available one is the default of `raybench render`.
+#ifndef RB_RENDER_VARIANTS_H
+#define RB_RENDER_VARIANTS_H
+
+#include "kernels/kernel.h"
+
+#include <stdbool.h>
+
+struct rb_frame;
+struct rb_worker;
+
+// Shares the tiles of a frame among `count` workers.
+typedef void rb_schedule_fn(struct rb_frame *frame, struct rb_worker *workers, int count);
+
+rb_schedule_fn rb_schedule_serial;
+rb_schedule_fn rb_schedule_openmp; // serial where the compiler has no OpenMP; the rows say so
+
+enum rb_accelerator { RB_ACCEL_NONE, RB_ACCEL_BVH };
+
+struct rb_variant {
+    const char *name;    // ends the table if NULL
+    const char *summary; // one line
+    const char *baseline; // row that this one is compared with; its own name for the reference
+    const struct rb_kernels *kernels;
+    enum rb_accelerator accelerator;
+    rb_schedule_fn *schedule;
+    const char *needs; // what the machine or the build must have, "" for nothing
+    bool exact;        // agrees with the reference bit for bit
+};
+
+extern const struct rb_variant rb_variants[];
+
+const struct rb_variant *rb_variant_find(const char *name); // NULL if there is none
+bool rb_variant_available(const struct rb_variant *variant);
+bool rb_variant_parallel(const struct rb_variant *variant);
+const struct rb_variant *rb_variant_fastest(void);
+
+#endif
