@@ -36,6 +36,9 @@ CFLAGS  += -fopenmp
 LDFLAGS += -fopenmp
 endif
 
+# One word per step, none under make -s.
+say      := $(if $(findstring s,$(firstword -$(MAKEFLAGS))),@:,@echo)
+
 LIB_SRC  := $(sort $(wildcard src/*/*.c bench/*.c))
 LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o)
 UNIT_SRC := $(sort $(wildcard tests/unit/*.c))
@@ -86,7 +89,7 @@ build/raybench: $(B)/raybench
 	@ln -sf release/raybench $@
 
 $(B)/raybench: $(B)/src/main.o $(B)/libraybench.a
-	@echo "  link $@"
+	$(say) "  link $@"
 	@$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 $(B)/libraybench.a: $(LIB_OBJ)
@@ -95,16 +98,16 @@ $(B)/libraybench.a: $(LIB_OBJ)
 
 unit: $(UNIT)
 $(B)/tests/unit/%: $(B)/tests/unit/%.o $(TEST_OBJ) $(B)/libraybench.a
-	@echo "  link $@"
+	$(say) "  link $@"
 	@$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 $(FUZZ_REPLAY): $(B)/tests/fuzz/fuzz_nff.o $(B)/tests/fuzz/replay.o $(B)/libraybench.a
-	@echo "  link $@"
+	$(say) "  link $@"
 	@$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 $(B)/%.o: %.c $(B)/flags
 	@mkdir -p $(@D)
-	@echo "  cc   $<"
+	$(say) "  cc   $<"
 	@$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # Rewritten only when compiler or flags change, so that they rebuild everything.

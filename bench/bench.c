@@ -26,15 +26,15 @@ const struct rb_command rb_command_bench = {
     .summary = "measure time per ray, by kernel and bounce, of every variant",
     .synopsis = "[SCENE...] [options]",
     .text = RB_HELP_SCENE
-        " Default: the six scenes of the 2019\n"
-        "report.\n\n"
-        "  raybench bench\n"
-        "  raybench bench balls_high --budget 10\n\n"
-        "Every row must first render the same pixels and hits as the reference; one that does not\n"
-        "gets no time, and the exit code is 2. Frames of all rows are timed in turn. Where the\n"
-        "reference would take too long, it renders a seeded random sample of small tiles, its\n"
-        "figures are marked est. and the interval is that of the sample. Figures are medians.\n"
-        "Results are kept in DIR/latest/kernels.csv; results/README.md explains the columns.",
+    " Default: the six scenes of the 2019\n"
+    "report.\n\n"
+    "  raybench bench\n"
+    "  raybench bench balls_high --budget 10\n\n"
+    "Every row must first render the same pixels and hits as the reference; one that does not\n"
+    "gets no time, and the exit code is 2. Frames of all rows are timed in turn. Where the\n"
+    "reference would take too long, it renders a seeded random sample of small tiles, its\n"
+    "figures are marked est. and the interval is that of the sample. Figures are medians.\n"
+    "Results are kept in DIR/latest/kernels.csv; results/README.md explains the columns.",
     .positional_min = 0,
     .positional_max = 16,
     .groups = (const struct rb_option *const[]){options, rb_options_settings, rb_options_variant,

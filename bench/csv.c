@@ -9,7 +9,7 @@ struct line {
     const struct rb_scene_bench *bench;
     const struct rb_row *row;
     const char *kernel;
-    int bounce; // -1: of the whole frame
+    int bounce;                   // -1: of the whole frame
     const struct rb_tally *count; // of a whole frame, NULL where there are none
     struct rb_estimate ns_per_ray;
     double ns; // of a whole frame

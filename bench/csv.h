@@ -1,4 +1,5 @@
-// kernels.csv: one row per scene, variant, kernel and bounce. results/README.md explains the columns.
+// kernels.csv: one row per scene, variant, kernel and bounce. results/README.md explains the
+// columns.
 #ifndef RB_BENCH_CSV_H
 #define RB_BENCH_CSV_H
 

@@ -1,7 +1,7 @@
 // The reference (the first row of the table) renders a seeded sample of small tiles, every other
-// row must render the same pixels and hits, and only then is anything timed. The sample is the whole
-// image where the reference can afford it. Whole frames of all rows are timed in rounds, one after
-// the other, so that drift of the machine hits all of them alike.
+// row must render the same pixels and hits, and only then is anything timed. The sample is the
+// whole image where the reference can afford it. Whole frames of all rows are timed in rounds, one
+// after the other, so that drift of the machine hits all of them alike.
 #include "bench/scene_bench.h"
 
 #include "base/memory.h"
@@ -161,9 +161,8 @@ static void time_rows(struct rb_scene_bench *bench, double budget_s)
 }
 
 enum rb_status rb_scene_bench_run(struct rb_scene_bench *bench, const char *name,
-                                  const struct rb_scene *scene,
-                                  const struct rb_settings *settings, double budget_s,
-                                  struct rb_error *error)
+                                  const struct rb_scene *scene, const struct rb_settings *settings,
+                                  double budget_s, struct rb_error *error)
 {
     *bench = (struct rb_scene_bench){.name = name, .scene = scene, .settings = *settings};
     enum rb_status status = rb_settings_complete(&bench->settings, scene, error);

@@ -21,9 +21,8 @@ struct rb_scene_bench {
 // Measures every row of the table within about `budget_s` seconds.
 // Release with rb_scene_bench_free.
 enum rb_status rb_scene_bench_run(struct rb_scene_bench *bench, const char *name,
-                                  const struct rb_scene *scene,
-                                  const struct rb_settings *settings, double budget_s,
-                                  struct rb_error *error);
+                                  const struct rb_scene *scene, const struct rb_settings *settings,
+                                  double budget_s, struct rb_error *error);
 void rb_scene_bench_free(struct rb_scene_bench *bench);
 
 // The row of that name, or NULL.

@@ -43,8 +43,7 @@ double rb_stats_t95(size_t degrees)
     return degrees <= last ? table[degrees] : 1.960 + 2.372 / (double)degrees;
 }
 
-struct rb_estimate rb_stats_ratio(const double *x, const double *y, size_t count,
-                                  double population)
+struct rb_estimate rb_stats_ratio(const double *x, const double *y, size_t count, double population)
 {
     double sum_x = 0, sum_y = 0, squares = 0;
     for (size_t i = 0; i < count; i++) {

@@ -74,8 +74,8 @@ void rb_table_print(const struct rb_scene_bench *bench)
     printf("  hits and image of all rows agree with %s on %" PRIu32 " of %" PRIu32 " tiles%s\n",
            rb_variants[0].name, bench->sample.count, bench->sample.total,
            bench->mismatch ? ", except the rows marked INVALID" : "");
-    printf("\n  %-12s %7s %16s  %-20s %9s  %s\n", "variant", "threads", "ms/frame",
-           "95 % interval", "Mrays/s", "speed-up");
+    printf("\n  %-12s %7s %16s  %-20s %9s  %s\n", "variant", "threads", "ms/frame", "95 % interval",
+           "Mrays/s", "speed-up");
     for (int i = 0; i < bench->row_count; i++)
         print_frame(bench, &bench->rows[i]);
 
@@ -94,6 +94,7 @@ void rb_table_print_probes(double probe_ns, double worst)
 {
     printf("\nA probe costs %.1f ns; probes take at most %.3f %% of a frame (largest row).\n",
            probe_ns, worst * 100.0);
-    printf("ns per ray are thread time over queue entries, misses included; Mrays/s counts trace and\n"
-           "trace_shadow rays per frame time. est.: from a random sample of tiles.\n");
+    printf(
+        "ns per ray are thread time over queue entries, misses included; Mrays/s counts trace and\n"
+        "trace_shadow rays per frame time. est.: from a random sample of tiles.\n");
 }

@@ -1,7 +1,8 @@
-// Binned SAH, in two phases. A serial phase splits the largest ranges until there are enough subtrees
-// to share; the subtrees are then built in parallel, each in node slots of its own, and copied
-// behind the top of the tree in a fixed order. Sorting on every axis (full sweep SAH) was rejected:
-// the cost of a tree with 16 bins is within 2 % of it (Wald 2007) at a fraction of the time.
+// Binned SAH, in two phases. A serial phase splits the largest ranges until there are enough
+// subtrees to share; the subtrees are then built in parallel, each in node slots of its own, and
+// copied behind the top of the tree in a fixed order. Sorting on every axis (full sweep SAH) was
+// rejected: the cost of a tree with 16 bins is within 2 % of it (Wald 2007) at a fraction of the
+// time.
 #include "accel/bvh.h"
 
 #include "base/memory.h"
@@ -12,9 +13,9 @@
 enum {
     BINS = 16,
     LEAF_MAX = 8,
-    DEPTH_HALVE = 48,    // from here on ranges are halved, see RB_BVH_DEPTH_MAX
-    SUBTREES = 64,       // shared among the workers
-    SUBTREE_MIN = 1024,  // primitives below which a range is not split for sharing
+    DEPTH_HALVE = 48,   // from here on ranges are halved, see RB_BVH_DEPTH_MAX
+    SUBTREES = 64,      // shared among the workers
+    SUBTREE_MIN = 1024, // primitives below which a range is not split for sharing
 };
 
 // Costs relative to one test of a box pair: a primitive test includes the test of its own box.

@@ -1,7 +1,7 @@
 // Binary bounding volume hierarchy over the bounded primitives of a scene, built top-down with the
 // binned surface area heuristic (Wald 2007, "On fast construction of SAH-based bounding volume
-// hierarchies"). The tree is a function of the scene alone: the number of threads that build it does
-// not change a byte.
+// hierarchies"). The tree is a function of the scene alone: the number of threads that build it
+// does not change a byte.
 #ifndef RB_ACCEL_BVH_H
 #define RB_ACCEL_BVH_H
 

@@ -15,7 +15,8 @@ static enum rb_status fail(const struct rb_output *output, struct rb_error *erro
 {
     int cause = errno;
     if (error)
-        snprintf(error->file, sizeof error->file, "%.*s", (int)sizeof error->file - 1, output->path);
+        snprintf(error->file, sizeof error->file, "%.*s", (int)sizeof error->file - 1,
+                 output->path);
     return rb_error_set(error, RB_FAILED, "cannot %s: %s", what, strerror(cause));
 }
 

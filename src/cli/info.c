@@ -39,8 +39,8 @@ static void print_lights(const struct rb_scene *scene)
     for (uint32_t i = 0; i < scene->light_count && i < SHOWN_MAX; i++) {
         const struct rb_light *l = &scene->lights[i];
         printf("            at %g %g %g  colour %g %g %g\n", shown(l->position[0]),
-               shown(l->position[1]), shown(l->position[2]), shown(l->color[0]),
-               shown(l->color[1]), shown(l->color[2]));
+               shown(l->position[1]), shown(l->position[2]), shown(l->color[0]), shown(l->color[1]),
+               shown(l->color[2]));
     }
 }
 

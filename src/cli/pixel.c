@@ -12,12 +12,12 @@ const struct rb_command rb_command_pixel = {
     .summary = "print the tree of rays of one pixel",
     .synopsis = "SCENE X Y [options]",
     .text = RB_HELP_SCENE
-        "\n\n"
-        "X counts from the left, Y from the top, both from 0. Each ray is printed with its kind,\n"
-        "what it hit, its weight in the pixel, the verdict on each light and the colour it adds\n"
-        "itself, by the same kernels and with the same result as in a whole frame.\n\n"
-        "  raybench pixel mount_low 200 200\n"
-        "  raybench pixel balls_high 256 256 --depth 3 --variant naive",
+    "\n\n"
+    "X counts from the left, Y from the top, both from 0. Each ray is printed with its kind,\n"
+    "what it hit, its weight in the pixel, the verdict on each light and the colour it adds\n"
+    "itself, by the same kernels and with the same result as in a whole frame.\n\n"
+    "  raybench pixel mount_low 200 200\n"
+    "  raybench pixel balls_high 256 256 --depth 3 --variant naive",
     .positional_min = 3,
     .positional_max = 3,
     .groups = (const struct rb_option *const[]){rb_options_settings, rb_options_variant,

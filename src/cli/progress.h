@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 struct rb_progress {
-    bool shown;       // standard error is a terminal and the user did not say --quiet
+    bool shown; // standard error is a terminal and the user did not say --quiet
     uint64_t start_ns, last_ns;
 };
 

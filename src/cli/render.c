@@ -24,13 +24,13 @@ const struct rb_command rb_command_render = {
     .summary = "render a scene to an image",
     .synopsis = "SCENE [-o FILE] [options]",
     .text = RB_HELP_SCENE
-        "\n\n"
-        "  raybench render balls_high -o balls.png\n"
-        "  raybench render mount_low -o soft.png --aa 3 --light-size 20 --light-samples 16\n"
-        "  raybench render balls6 --variant bvh --hash\n\n"
-        "The image is the same bit for bit whatever the variant, tile size and number of threads;\n"
-        "--hash proves it: `image H hits H`, two 64-bit hashes of the linear pixels and of\n"
-        "(distance, primitive, u, v) of every ray. A file is written whole or not at all.",
+    "\n\n"
+    "  raybench render balls_high -o balls.png\n"
+    "  raybench render mount_low -o soft.png --aa 3 --light-size 20 --light-samples 16\n"
+    "  raybench render balls6 --variant bvh --hash\n\n"
+    "The image is the same bit for bit whatever the variant, tile size and number of threads;\n"
+    "--hash proves it: `image H hits H`, two 64-bit hashes of the linear pixels and of\n"
+    "(distance, primitive, u, v) of every ray. A file is written whole or not at all.",
     .positional_min = 1,
     .positional_max = 1,
     .groups = (const struct rb_option *const[]){options, rb_options_settings, rb_options_variant,
@@ -56,7 +56,8 @@ static int write_image(const struct rb_renderer *renderer, const struct rb_image
 {
     const struct rb_settings *settings = rb_renderer_settings(renderer);
     struct rb_error error = {0};
-    float *pixels = rb_alloc((size_t)settings->width * (size_t)settings->height, 3 * sizeof *pixels);
+    float *pixels =
+        rb_alloc((size_t)settings->width * (size_t)settings->height, 3 * sizeof *pixels);
     enum rb_status status = RB_FAILED;
     if (pixels) {
         rb_renderer_pixels(renderer, pixels);

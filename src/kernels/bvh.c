@@ -1,6 +1,6 @@
 // One ray at a time through a binary BVH, nearer child first. The order of the visits cannot change
-// the answer: a subtree is skipped only if it starts beyond the closest hit so far, and its interval
-// contains those of its primitives (intersect.h).
+// the answer: a subtree is skipped only if it starts beyond the closest hit so far, and its
+// interval contains those of its primitives (intersect.h).
 #include "accel/bvh.h"
 #include "kernels/intersect.h"
 

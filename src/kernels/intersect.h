@@ -3,9 +3,9 @@
 //
 // A hit counts only if the ray passes the primitive's own bounding box, and its distance is clamped
 // to the interval in which it does ("own box"). Together with a slab test whose rounding is
-// monotone this makes the answer independent of any tree: an ancestor's interval always contains the
-// primitive's. (Plain tests disagree between tree layouts for hundreds of rays in a million aimed at
-// vertices and edges.)
+// monotone this makes the answer independent of any tree: an ancestor's interval always contains
+// the primitive's. (Plain tests disagree between tree layouts for hundreds of rays in a million
+// aimed at vertices and edges.)
 #ifndef RB_KERNELS_INTERSECT_H
 #define RB_KERNELS_INTERSECT_H
 
@@ -22,8 +22,8 @@ enum rb_sides {
 // A ray as the tests see it.
 struct rb_ray {
     struct rb_vec o, d;
-    struct rb_vec inv;  // 1 / d, d kept away from zero
-    uint32_t self;      // primitive it starts on
+    struct rb_vec inv; // 1 / d, d kept away from zero
+    uint32_t self;     // primitive it starts on
     enum rb_sides sides;
 };
 
@@ -40,8 +40,8 @@ struct rb_interval {
 };
 
 // Smallest |d| the slabs divide by: 2^-60. Any d below it moves the ray by less than an ulp of a
-// coordinate anywhere in a scene, and the largest inverse times the largest coordinate, 1e18 * 1e12,
-// is still finite.
+// coordinate anywhere in a scene, and the largest inverse times the largest coordinate, 1e18 *
+// 1e12, is still finite.
 #define RB_DIRECTION_MIN 0x1p-60f
 
 // Far planes are pushed away by 5e-7, four ulps, more than the two roundings of a slab can lose
@@ -110,9 +110,9 @@ static inline struct rb_interval rb_box(const float low[3], const float high[3],
 
 // Sphere. The discriminant is r^2 - |l - (l.d) d|^2, the squared distance of the line from the
 // centre (Haines et al., Ray Tracing Gems 2019, chapter 7): the textbook form B^2 - |l|^2 + r^2
-// cancels and is wrong for 36 % of rays aimed at the small spheres of balls size 6. A ray that starts
-// on the sphere meets it again only at the far side, at 2 l.d, which needs no tolerance; for a
-// shadow ray its own sphere does not exist.
+// cancels and is wrong for 36 % of rays aimed at the small spheres of balls size 6. A ray that
+// starts on the sphere meets it again only at the far side, at 2 l.d, which needs no tolerance; for
+// a shadow ray its own sphere does not exist.
 static inline bool rb_sphere_test(const struct rb_sphere *sphere, const struct rb_ray *ray,
                                   enum rb_sides sides, bool own, float *t)
 {
@@ -153,8 +153,7 @@ static inline bool rb_triangle_test(const struct rb_triangle *triangle, const st
     float area = det * sign;
     float us = rb_dot(s, p) * sign;
     float vs = rb_dot(ray->d, q) * sign;
-    float slack = RB_EDGE_TOLERANCE * rb_vec_reach(s) *
-                  rb_max(rb_vec_reach(e1), rb_vec_reach(e2));
+    float slack = RB_EDGE_TOLERANCE * rb_vec_reach(s) * rb_max(rb_vec_reach(e1), rb_vec_reach(e2));
     bool inside = us >= -slack && vs >= -slack && us + vs <= area + slack && area >= FLT_MIN;
     if (!inside || (sides == RB_SIDES_FRONT && det < 0.0f))
         return false;
@@ -165,9 +164,9 @@ static inline bool rb_triangle_test(const struct rb_triangle *triangle, const st
     return true;
 }
 
-// Cone frustum and cylinder, open at both ends: |p'|^2 = (r0 + slope z)^2 with p' the part of p across
-// the axis. The origin is first moved to where the ray passes the centre of the box, so that the
-// quadratic is solved with small numbers. For a ray that starts on the surface one root is 0 by
+// Cone frustum and cylinder, open at both ends: |p'|^2 = (r0 + slope z)^2 with p' the part of p
+// across the axis. The origin is first moved to where the ray passes the centre of the box, so that
+// the quadratic is solved with small numbers. For a ray that starts on the surface one root is 0 by
 // definition and only the other one counts, for shadow rays too: the inside of a tube is dark.
 static inline bool rb_cone_test(const struct rb_cone *cone, const struct rb_ray *ray,
                                 enum rb_sides sides, bool own, float *t)
@@ -214,8 +213,7 @@ static inline bool rb_plane_test(const struct rb_plane *plane, const struct rb_r
 static inline enum rb_sides rb_sides_of(const struct rb_scene *scene, const struct rb_ray *ray,
                                         uint32_t id)
 {
-    bool glass = ray->sides == RB_SIDES_FRONT &&
-                 scene->materials[scene->material_of[id]].t > 0.0f;
+    bool glass = ray->sides == RB_SIDES_FRONT && scene->materials[scene->material_of[id]].t > 0.0f;
     return glass ? RB_SIDES_VISIBLE : ray->sides;
 }
 

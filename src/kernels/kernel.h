@@ -46,10 +46,10 @@ struct rb_hits {
 
 // Hit points ready to be lit, compacted: misses have none.
 struct rb_surfaces {
-    float *px, *py, *pz;   // point, on the viewer's side of the surface
-    float *nx, *ny, *nz;   // unit shading normal, turned towards the viewer
-    float *vx, *vy, *vz;   // unit vector to the viewer
-    float *weight;         // of the ray
+    float *px, *py, *pz; // point, on the viewer's side of the surface
+    float *nx, *ny, *nz; // unit shading normal, turned towards the viewer
+    float *vx, *vy, *vz; // unit vector to the viewer
+    float *weight;       // of the ray
     uint32_t *pixel, *path, *prim, *material;
     uint32_t count, capacity;
 };
@@ -62,8 +62,8 @@ struct rb_shadows {
     float *distance;  // to the light
     float *r, *g, *b; // unoccluded contribution to the pixel
     uint32_t *pixel;
-    uint32_t *self;     // primitive the ray starts on
-    uint8_t *occluded;  // the answer of trace_shadow: 1 if something is in between
+    uint32_t *self;    // primitive the ray starts on
+    uint8_t *occluded; // the answer of trace_shadow: 1 if something is in between
     uint32_t count, capacity;
 };
 
@@ -79,8 +79,8 @@ struct rb_view {
     float from[3];
     float corner[3], right[3], down[3];
     int width, height;
-    uint32_t aa;          // samples per pixel edge; 1 = one ray through the pixel centre
-    float center;         // where in the pixel the only sample lies: 0.5
+    uint32_t aa;  // samples per pixel edge; 1 = one ray through the pixel centre
+    float center; // where in the pixel the only sample lies: 0.5
     uint64_t seed;
 };
 
@@ -100,13 +100,13 @@ struct rb_light_sample {
 
 // How surfaces look: everything a render chooses about shading.
 struct rb_shading {
-    float light_scale;  // multiplies every light
+    float light_scale; // multiplies every light
     float ambient;
     float light_edge;
     uint32_t light_samples, strata_x, strata_y; // strata_x * strata_y == light_samples
-    bool phong;         // R.V instead of Blinn's N.H
+    bool phong;                                 // R.V instead of Blinn's N.H
     uint64_t seed;
-    float at[3];        // soft lights face this point
+    float at[3]; // soft lights face this point
 };
 
 // What rays are traced in. `bvh` is what the row's accelerator built, or NULL.

@@ -1,5 +1,5 @@
-// The frozen reference: every ray against every primitive, in the order of ids, without any tree. It
-// is the meaning of all other kernel sets; do not make it fast.
+// The frozen reference: every ray against every primitive, in the order of ids, without any tree.
+// It is the meaning of all other kernel sets; do not make it fast.
 #include "kernels/intersect.h"
 
 static rb_trace_fn trace;
@@ -56,7 +56,6 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
 {
     for (uint32_t i = 0; i < shadows->count; i++) {
         struct rb_ray ray = rb_shadow_load(shadows, i);
-        shadows->occluded[i] =
-            rb_ray_valid(&ray) && any(world->scene, &ray, shadows->distance[i]);
+        shadows->occluded[i] = rb_ray_valid(&ray) && any(world->scene, &ray, shadows->distance[i]);
     }
 }

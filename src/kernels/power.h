@@ -8,9 +8,9 @@
 #include <stdint.h>
 #include <string.h>
 
-// log2 of a normal positive x. x = 2^e m with m in [sqrt(1/2), sqrt(2)); with s = (m - 1) / (m + 1),
-// |s| < 0.172, log2 m = 2/ln 2 (s + s^3/3 + s^5/5 + ...). Cut after s^9 the relative error is 2e-9,
-// below that of single precision.
+// log2 of a normal positive x. x = 2^e m with m in [sqrt(1/2), sqrt(2)); with s = (m - 1) / (m +
+// 1), |s| < 0.172, log2 m = 2/ln 2 (s + s^3/3 + s^5/5 + ...). Cut after s^9 the relative error is
+// 2e-9, below that of single precision.
 static inline float rb_log2(float x)
 {
     int32_t bits;
@@ -21,8 +21,8 @@ static inline float rb_log2(float x)
     float m;
     memcpy(&m, &mantissa_bits, sizeof m);
     float s = (m - 1.0f) / (m + 1.0f), z = s * s;
-    float series = 2.88539008f + z * (0.961796694f + z * (0.577078016f + z * (0.412198583f +
-                   z * 0.320598898f)));
+    float series = 2.88539008f +
+                   z * (0.961796694f + z * (0.577078016f + z * (0.412198583f + z * 0.320598898f)));
     return (float)exponent + s * series;
 }
 
@@ -32,9 +32,13 @@ static inline float rb_exp2(float y)
 {
     const float round = 12582912.0f; // 1.5 * 2^23: adding it rounds to an integer
     float n = (y + round) - round, f = y - n;
-    float series = 1.0f + f * (0.693147181f + f * (0.240226507f + f * (0.0555041087f +
-                   f * (0.00961812911f + f * (0.00133335581f + f * (1.54035304e-4f +
-                   f * 1.52527338e-5f))))));
+    float series =
+        1.0f +
+        f * (0.693147181f +
+             f * (0.240226507f +
+                  f * (0.0555041087f +
+                       f * (0.00961812911f +
+                            f * (0.00133335581f + f * (1.54035304e-4f + f * 1.52527338e-5f))))));
     if (!(y >= -126.0f))
         return 0.0f;
     int32_t bits = ((int32_t)n + 127) * 0x800000;

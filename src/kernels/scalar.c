@@ -44,8 +44,8 @@ void rb_scalar_generate(const struct rb_view *view, const struct rb_span *span, 
 // What ray i met, as the secondary rays need it.
 struct surface {
     const struct rb_material *material;
-    struct rb_vec d, n;       // ray direction; shading normal turned against it
-    struct rb_vec near, far;  // starting points on the viewer's side and on the other side
+    struct rb_vec d, n;      // ray direction; shading normal turned against it
+    struct rb_vec near, far; // starting points on the viewer's side and on the other side
     uint32_t prim;
     bool entering;
 };
@@ -102,8 +102,8 @@ static void spawn(const struct rb_scene *scene, const struct surface *surface,
 {
     const struct rb_material *material = surface->material;
     if (material->ks > 0.0f || material->t > 0.0f)
-        append_secondary(reflected, surface->near, rb_reflect(surface->d, surface->n),
-                         material->ks, rays, i, 0, surface->prim, rays->media[i]);
+        append_secondary(reflected, surface->near, rb_reflect(surface->d, surface->n), material->ks,
+                         rays, i, 0, surface->prim, rays->media[i]);
     if (!(material->t > 0.0f))
         return;
     struct rb_crossing crossing =

@@ -1,5 +1,5 @@
-// Normative shading: from a hit to a point with a normal, from there to secondary rays and to light.
-// Every variant repeats these operations in this order (see intersect.h).
+// Normative shading: from a hit to a point with a normal, from there to secondary rays and to
+// light. Every variant repeats these operations in this order (see intersect.h).
 #ifndef RB_KERNELS_SHADE_H
 #define RB_KERNELS_SHADE_H
 
@@ -41,8 +41,8 @@ static inline struct rb_point rb_point_on_triangle(const struct rb_scene *scene,
     point.p = rb_vec_mad(rb_vec_mad(v0, u, e1), v, e2);
     point.geometric = rb_vec_of(scene->triangle_normals[index]);
     point.shading = point.geometric;
-    point.offset = RB_OFFSET_SCALE * rb_max(rb_vec_reach(point.p),
-                                            rb_max(rb_vec_reach(e1), rb_vec_reach(e2)));
+    point.offset =
+        RB_OFFSET_SCALE * rb_max(rb_vec_reach(point.p), rb_max(rb_vec_reach(e1), rb_vec_reach(e2)));
     uint32_t smooth = scene->triangle_smooth ? scene->triangle_smooth[index] : RB_NONE;
     if (smooth != RB_NONE) {
         const float(*n)[3] = (const float(*)[3])scene->smooth_normals[smooth];
@@ -104,8 +104,8 @@ static inline struct rb_vec rb_turned(struct rb_vec n, struct rb_vec d)
     return rb_dot(n, d) > 0.0f ? rb_vec_neg(n) : n;
 }
 
-// The media stack: 16-bit indices into scene.media, the innermost in the lowest bits. A fifth medium
-// pushes the outermost out.
+// The media stack: 16-bit indices into scene.media, the innermost in the lowest bits. A fifth
+// medium pushes the outermost out.
 static inline uint64_t rb_media_enter(uint64_t stack, uint32_t medium)
 {
     return stack << 16 | medium;
@@ -134,8 +134,8 @@ struct rb_crossing {
 // A ray with media stack `media` meets transparent `material`. Leaving a body it has never entered,
 // it must have started inside.
 static inline struct rb_crossing rb_media_cross(const struct rb_scene *scene,
-                                                const struct rb_material *material,
-                                                uint64_t media, bool entering)
+                                                const struct rb_material *material, uint64_t media,
+                                                bool entering)
 {
     uint64_t next = entering ? rb_media_enter(media, material->medium)
                              : rb_media_leave(media, material->medium);
@@ -161,8 +161,8 @@ static inline bool rb_refract(struct rb_vec d, struct rb_vec n, float from, floa
     return true;
 }
 
-// Point on the light that shadow ray `sample` of this pixel aims at: the light itself, or a jittered
-// stratum of the square of edge `edge` around it that faces `at`.
+// Point on the light that shadow ray `sample` of this pixel aims at: the light itself, or a
+// jittered stratum of the square of edge `edge` around it that faces `at`.
 static inline struct rb_vec rb_light_point(const struct rb_shading *shading, struct rb_vec light,
                                            const struct rb_light_sample *sample, uint32_t pixel,
                                            uint32_t path)
@@ -171,10 +171,11 @@ static inline struct rb_vec rb_light_point(const struct rb_shading *shading, str
         return light;
     struct rb_vec axis = rb_vec_sub(rb_vec_of(shading->at), light);
     axis = rb_dot(axis, axis) >= FLT_MIN ? rb_normalize(axis) : (struct rb_vec){0, 0, 1};
-    struct rb_vec helper = fabsf(axis.x) < 0.5f ? (struct rb_vec){1, 0, 0} : (struct rb_vec){0, 1, 0};
+    struct rb_vec helper =
+        fabsf(axis.x) < 0.5f ? (struct rb_vec){1, 0, 0} : (struct rb_vec){0, 1, 0};
     struct rb_vec s = rb_normalize(rb_cross(helper, axis)), r = rb_cross(axis, s);
-    uint32_t dimension = RB_DIMENSION_LIGHT +
-                         2 * (sample->light * shading->light_samples + sample->sample);
+    uint32_t dimension =
+        RB_DIMENSION_LIGHT + 2 * (sample->light * shading->light_samples + sample->sample);
     float a = rb_random(shading->seed, pixel, sample->pixel_sample, path, dimension);
     float b = rb_random(shading->seed, pixel, sample->pixel_sample, path, dimension + 1);
     float i = (float)(sample->sample % shading->strata_x);

@@ -1,9 +1,9 @@
 #include "measure/probe.h"
 
 const char *const rb_stage_names[RB_STAGE_COUNT] = {
-    [RB_STAGE_GENERATE] = "generate",         [RB_STAGE_TRACE] = "trace",
-    [RB_STAGE_SHADE] = "shade",               [RB_STAGE_TRACE_SHADOW] = "trace_shadow",
-    [RB_STAGE_RESOLVE] = "resolve",           [RB_STAGE_OTHER] = "other",
+    [RB_STAGE_GENERATE] = "generate", [RB_STAGE_TRACE] = "trace",
+    [RB_STAGE_SHADE] = "shade",       [RB_STAGE_TRACE_SHADOW] = "trace_shadow",
+    [RB_STAGE_RESOLVE] = "resolve",   [RB_STAGE_OTHER] = "other",
 };
 
 void rb_recorder_add(struct rb_recorder *recorder, const struct rb_recorder *other)

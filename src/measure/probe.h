@@ -1,7 +1,7 @@
 // Probes between the stages of the pipeline: where the time of a thread goes, by kernel and bounce.
 //
-// Time is measured in laps: each lap reads the clock once and books everything since the last lap on
-// one stage. Nothing falls between two laps, so the stages of a thread add up to its total.
+// Time is measured in laps: each lap reads the clock once and books everything since the last lap
+// on one stage. Nothing falls between two laps, so the stages of a thread add up to its total.
 #ifndef RB_MEASURE_PROBE_H
 #define RB_MEASURE_PROBE_H
 
@@ -14,9 +14,9 @@ enum rb_stage {
     RB_STAGE_TRACE,
     RB_STAGE_SHADE,
     RB_STAGE_TRACE_SHADOW,
-    RB_KERNEL_COUNT,                     // the four kernels of the tables come first
-    RB_STAGE_RESOLVE = RB_KERNEL_COUNT,  // adding light to pixels
-    RB_STAGE_OTHER,                      // handing out work, moving rays between queues
+    RB_KERNEL_COUNT,                    // the four kernels of the tables come first
+    RB_STAGE_RESOLVE = RB_KERNEL_COUNT, // adding light to pixels
+    RB_STAGE_OTHER,                     // handing out work, moving rays between queues
     RB_STAGE_COUNT,
 };
 

@@ -1,4 +1,5 @@
-// One frame in the making: what all workers share, and what each has for itself. Private to render/.
+// One frame in the making: what all workers share, and what each has for itself. Private to
+// render/.
 #ifndef RB_RENDER_FRAME_H
 #define RB_RENDER_FRAME_H
 

@@ -100,7 +100,8 @@ const struct rb_image_format *rb_image_format_of(const char *path, struct rb_err
                      path);
         return NULL;
     }
-    rb_error_set(error, RB_INVALID, "%s: the name of an image must end in .ppm, .pfm or .png", path);
+    rb_error_set(error, RB_INVALID, "%s: the name of an image must end in .ppm, .pfm or .png",
+                 path);
     return NULL;
 }
 

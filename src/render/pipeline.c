@@ -2,10 +2,10 @@
 //
 //     generate -> [ trace -> surface -> (light -> trace_shadow -> resolve)* ] -> children
 //
-// with a probe after each stage and nowhere else. Stages rather than recursion per ray is what makes
-// their time measurable and their rays packable (Laine, Karras, Aila 2013, "Megakernels considered
-// harmful"). Bounces are walked depth first by batches, so memory is bounded by depth, not by the
-// number of rays.
+// with a probe after each stage and nowhere else. Stages rather than recursion per ray is what
+// makes their time measurable and their rays packable (Laine, Karras, Aila 2013, "Megakernels
+// considered harmful"). Bounces are walked depth first by batches, so memory is bounded by depth,
+// not by the number of rays.
 #include "base/fpenv.h"
 #include "base/hash.h"
 #include "render/frame.h"

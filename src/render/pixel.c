@@ -80,8 +80,8 @@ static void walk_ray(const struct walk *walk, int bounce, uint32_t slot, uint32_
 
     struct rb_pixel_ray seen = describe(queues, &rays, bounce, sample);
     if (seen.prim != RB_NONE)
-        seen.total_reflection = !last && refracted.count == 0 &&
-                                frame->world.scene->materials[seen.material].t > 0.0f;
+        seen.total_reflection =
+            !last && refracted.count == 0 && frame->world.scene->materials[seen.material].t > 0.0f;
     walk->observer->ray(walk->observer->user, &seen);
     if (seen.prim == RB_NONE)
         return;

@@ -13,7 +13,14 @@ struct member {
     size_t size;
 };
 
-#define MEMBER(field) {&(field), sizeof *(field)}
+#define MEMBER(field)                                                                              \
+    {                                                                                              \
+        &(field), sizeof *(field)                                                                  \
+    }
+
+// Arrays of a power of two in size would all begin in the same set of the first-level cache, and a
+// kernel streams through more of them than a set has ways. Each one is moved on by this many lines.
+enum { STAGGER_LINES = 5 };
 
 // Gives every member room for `count` elements from `memory` on; returns the bytes taken. With
 // memory NULL it only counts.
@@ -24,7 +31,7 @@ static size_t place(char *memory, const struct member *members, size_t member_co
         char *array = memory ? memory + used : NULL;
         memcpy(members[i].pointer, &array, sizeof array); // all object pointers look alike here
         size_t bytes = (size_t)count * members[i].size;
-        used += (bytes + RB_CACHE_LINE - 1) / RB_CACHE_LINE * RB_CACHE_LINE;
+        used += ((bytes + RB_CACHE_LINE - 1) / RB_CACHE_LINE + STAGGER_LINES) * RB_CACHE_LINE;
     }
     return used;
 }
@@ -32,9 +39,9 @@ static size_t place(char *memory, const struct member *members, size_t member_co
 static size_t place_rays(char *memory, struct rb_rays *r, uint32_t capacity)
 {
     const struct member members[] = {
-        MEMBER(r->ox),    MEMBER(r->oy),   MEMBER(r->oz),     MEMBER(r->dx),
-        MEMBER(r->dy),    MEMBER(r->dz),   MEMBER(r->weight), MEMBER(r->pixel),
-        MEMBER(r->path),  MEMBER(r->self), MEMBER(r->media),
+        MEMBER(r->ox),   MEMBER(r->oy),   MEMBER(r->oz),     MEMBER(r->dx),
+        MEMBER(r->dy),   MEMBER(r->dz),   MEMBER(r->weight), MEMBER(r->pixel),
+        MEMBER(r->path), MEMBER(r->self), MEMBER(r->media),
     };
     r->capacity = capacity;
     return place(memory, members, sizeof members / sizeof *members, capacity);
@@ -60,8 +67,8 @@ static size_t place_surfaces(char *memory, struct rb_surfaces *s, uint32_t capac
 static size_t place_shadows(char *memory, struct rb_shadows *s, uint32_t capacity)
 {
     const struct member members[] = {
-        MEMBER(s->ox), MEMBER(s->oy),    MEMBER(s->oz),   MEMBER(s->dx),       MEMBER(s->dy),
-        MEMBER(s->dz), MEMBER(s->r),     MEMBER(s->g),    MEMBER(s->b),        MEMBER(s->distance),
+        MEMBER(s->ox),    MEMBER(s->oy),   MEMBER(s->oz),       MEMBER(s->dx), MEMBER(s->dy),
+        MEMBER(s->dz),    MEMBER(s->r),    MEMBER(s->g),        MEMBER(s->b),  MEMBER(s->distance),
         MEMBER(s->pixel), MEMBER(s->self), MEMBER(s->occluded),
     };
     s->capacity = capacity;
@@ -103,9 +110,9 @@ struct rb_rays rb_rays_view(const struct rb_rays *r, uint32_t first, uint32_t co
                             uint32_t capacity)
 {
     return (struct rb_rays){
-        r->ox + first,   r->oy + first,    r->oz + first,    r->dx + first,
-        r->dy + first,   r->dz + first,    r->weight + first, r->pixel + first,
-        r->path + first, r->self + first,  r->media + first,  count,
+        r->ox + first,   r->oy + first,   r->oz + first,     r->dx + first,
+        r->dy + first,   r->dz + first,   r->weight + first, r->pixel + first,
+        r->path + first, r->self + first, r->media + first,  count,
         capacity,
     };
 }

@@ -66,8 +66,8 @@ static enum rb_status prepare(struct rb_renderer *renderer, struct rb_error *err
 }
 
 enum rb_status rb_renderer_create(const struct rb_scene *scene, const struct rb_variant *variant,
-                                  const struct rb_settings *settings,
-                                  struct rb_renderer **renderer, struct rb_error *error)
+                                  const struct rb_settings *settings, struct rb_renderer **renderer,
+                                  struct rb_error *error)
 {
     *renderer = NULL;
     if (!rb_variant_available(variant))

@@ -21,14 +21,14 @@ struct rb_renderer;
 // Builds the accelerator and takes the memory. RB_INVALID for settings out of range or a row that
 // is not available here; RB_FAILED without memory.
 enum rb_status rb_renderer_create(const struct rb_scene *scene, const struct rb_variant *variant,
-                                  const struct rb_settings *settings,
-                                  struct rb_renderer **renderer, struct rb_error *error);
+                                  const struct rb_settings *settings, struct rb_renderer **renderer,
+                                  struct rb_error *error);
 void rb_renderer_free(struct rb_renderer *renderer); // accepts NULL
 
 struct rb_run_options {
     const uint32_t *tiles; // indices of the tiles to render; NULL for the whole frame
     uint32_t tile_count;
-    bool hash_hits;        // costs time
+    bool hash_hits; // costs time
     // Called by one of the workers after each of its tiles; may be NULL.
     void (*progress)(void *user, uint32_t done, uint32_t total);
     void *user;
@@ -73,7 +73,8 @@ struct rb_pixel_observer {
     void *user;
     // Each ray in depth-first order, followed by one call per light sample.
     void (*ray)(void *user, const struct rb_pixel_ray *ray);
-    void (*shadow)(void *user, const struct rb_pixel_ray *ray, const struct rb_pixel_shadow *shadow);
+    void (*shadow)(void *user, const struct rb_pixel_ray *ray,
+                   const struct rb_pixel_shadow *shadow);
 };
 
 // `color` gets the linear colour of the pixel, equal to that of a whole frame. The film is cleared.

@@ -9,18 +9,18 @@
 #include <stdint.h>
 
 struct rb_settings {
-    int width, height;     // pixels; default: the scene's resolution
-    int depth;             // levels of the ray tree, 1 to RB_DEPTH_MAX; default 5
-    int aa;                // samples per pixel edge, stratified; default 1, the pixel centre
-    int light_samples;     // shadow rays per light, stratified; default 1
-    double light_size;     // edge of the square light, world units; default 0, a point
-    double light_scale;    // multiplies every light; default 1 / sqrt(number of lights)
-    double ambient;        // times Kd times colour is added to every hit; default 0
-    bool phong;            // R.V instead of N.H
-    bool spd;              // SPD's test rules: rays at pixel corners, one-sided opaque surfaces
-    uint64_t seed;         // of all random numbers; default 0
-    int tile;              // edge in pixels, a multiple of 16 up to 256; default 64
-    int threads;           // default: all processors. Serial rows use one.
+    int width, height;  // pixels; default: the scene's resolution
+    int depth;          // levels of the ray tree, 1 to RB_DEPTH_MAX; default 5
+    int aa;             // samples per pixel edge, stratified; default 1, the pixel centre
+    int light_samples;  // shadow rays per light, stratified; default 1
+    double light_size;  // edge of the square light, world units; default 0, a point
+    double light_scale; // multiplies every light; default 1 / sqrt(number of lights)
+    double ambient;     // times Kd times colour is added to every hit; default 0
+    bool phong;         // R.V instead of N.H
+    bool spd;           // SPD's test rules: rays at pixel corners, one-sided opaque surfaces
+    uint64_t seed;      // of all random numbers; default 0
+    int tile;           // edge in pixels, a multiple of 16 up to 256; default 64
+    int threads;        // default: all processors. Serial rows use one.
 };
 
 enum { RB_TILE_DEFAULT = 64, RB_TILE_MAX = 256, RB_DEPTH_DEFAULT = 5, RB_AA_MAX = 64 };

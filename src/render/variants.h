@@ -22,8 +22,8 @@ rb_schedule_fn rb_schedule_openmp; // serial where the compiler has no OpenMP; t
 enum rb_accelerator { RB_ACCEL_NONE, RB_ACCEL_BVH };
 
 struct rb_variant {
-    const char *name;    // ends the table if NULL
-    const char *summary; // one line
+    const char *name;     // ends the table if NULL
+    const char *summary;  // one line
     const char *baseline; // row that this one is compared with; its own name for the reference
     const struct rb_kernels *kernels;
     enum rb_accelerator accelerator;

@@ -224,6 +224,7 @@ static bool pass(struct clipper *c, uint32_t most, uint32_t *cut)
 
 static void enqueue_all(struct clipper *c, uint32_t count)
 {
+    c->grid.steps += count;
     for (uint32_t i = 0; i < count; i++) {
         if (!c->vertices[i].gone)
             enqueue(c, i);

@@ -32,8 +32,8 @@ static struct rb_grid_cell *cell_of(const struct rb_polygon_grid *grid,
 // begin and where edges cross them.
 static void measure(struct rb_polygon_grid *grid, uint32_t count, uint32_t reflex_count)
 {
-    double high[2] = {-INFINITY, -INFINITY};
-    grid->low[0] = grid->low[1] = INFINITY;
+    double high[2] = {-HUGE_VAL, -HUGE_VAL};
+    grid->low[0] = grid->low[1] = HUGE_VAL;
     for (uint32_t i = 0; i < count; i++) {
         double at[2] = {grid->vertices[i].x, grid->vertices[i].y};
         for (int k = 0; k < 2; k++) {
@@ -123,8 +123,8 @@ static bool cell_blocks(struct rb_polygon_grid *grid, struct rb_grid_cell *cell,
 static void x_range(const struct rb_ring_vertex *const t[3], double low, double high,
                     double range[2])
 {
-    range[0] = INFINITY;
-    range[1] = -INFINITY;
+    range[0] = HUGE_VAL;
+    range[1] = -HUGE_VAL;
     for (int i = 0; i < 3; i++) {
         const struct rb_ring_vertex *a = t[i], *b = t[(i + 1) % 3];
         if (a->y > b->y) {

@@ -1,5 +1,5 @@
+# shellcheck shell=sh disable=SC2034
 # Sourced by the command-line tests: TAP for programs. Each check is one numbered line.
-# shellcheck shell=sh
 cd "$(dirname "$0")/../.." || exit 1
 raybench=${RAYBENCH:-build/raybench}
 count=0

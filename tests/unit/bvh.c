@@ -1,6 +1,6 @@
 // The tree itself: every primitive in exactly one leaf, boxes that contain what is below them, no
-// node missed or used twice, depth within the traversal stack, and the same bytes whatever the number
-// of threads.
+// node missed or used twice, depth within the traversal stack, and the same bytes whatever the
+// number of threads.
 #include "accel/bvh.h"
 #include "base/random.h"
 #include "scene/load.h"

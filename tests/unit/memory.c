@@ -1,5 +1,5 @@
-// No memory, at every allocation in turn: loading and rendering a scene must fail cleanly, say so and
-// leak nothing.
+// No memory, at every allocation in turn: loading and rendering a scene must fail cleanly, say so
+// and leak nothing.
 #include "base/memory.h"
 #include "render/renderer.h"
 #include "scene/load.h"

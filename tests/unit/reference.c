@@ -352,16 +352,30 @@ static struct ref_ray ref_ray_of(const struct rb_rays *rays, uint32_t i, bool on
 
 // ---- comparison
 
+// The smallest altitude of a triangle, capped at 1.
+static double altitude(const struct rb_triangle *triangle)
+{
+    double e[3][3], n[3], longest = 0.0;
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++)
+            e[i][k] = (double)triangle->v[(i + 1) % 3][k] - (double)triangle->v[i][k];
+        longest = fmax(longest, ref_length(e[i]));
+    }
+    ref_cross(e[0], e[1], n);
+    return fmin(1.0, ref_length(n) / longest);
+}
+
 // What a class of rays came to.
 struct tally {
     uint64_t rays, hits, differ, shadows, shadows_differ, inexact;
     double hit_ulps, depth_ulps, shadow_ulps, normal_ulps;
 };
 
-// Half a unit in the last place of the largest coordinate involved.
-static double ulp_of(const struct rb_scene *scene, const struct ref_ray *ray, uint32_t a, uint32_t b)
+// 2^-24 of the largest coordinate involved, from the origin of the ray to the hit at t.
+static double ulp_of(const struct rb_scene *scene, const struct ref_ray *ray, double t, uint32_t a,
+                     uint32_t b)
 {
-    double reach = fmax(fabs(ray->o[0]), fmax(fabs(ray->o[1]), fabs(ray->o[2])));
+    double reach = fmax(t, fmax(fabs(ray->o[0]), fmax(fabs(ray->o[1]), fabs(ray->o[2]))));
     if (a != RB_NONE)
         reach = fmax(reach, ref_reach(scene, a));
     if (b != RB_NONE)
@@ -373,7 +387,7 @@ static void show(const char *what, const struct rb_rays *rays, uint32_t i, uint3
                  const struct ref_hit *exact, double ulps)
 {
     static int shown;
-    if (shown++ < 20)
+    if (shown++ < 60)
         note("%s: {%a, %a, %a}, {%a, %a, %a}, self %u: kernel %u at %.9g, reference %u at %.9g, "
              "%.1f ulps", what, (double)rays->ox[i], (double)rays->oy[i], (double)rays->oz[i],
              (double)rays->dx[i], (double)rays->dy[i], (double)rays->dz[i], rays->self[i], prim, t,
@@ -390,7 +404,8 @@ static void compare_hit(const struct rb_scene *scene, const struct ref_world *wo
     struct ref_ray ray = ref_ray_of(rays, i, one_sided);
     struct ref_hit exact = ref_closest(world, &ray);
     uint32_t prim = hits->prim[i];
-    double ulp = ulp_of(scene, &ray, prim, exact.prim), t = (double)hits->t[i], off = 0.0;
+    double t = (double)hits->t[i], off = 0.0;
+    double ulp = ulp_of(scene, &ray, prim == RB_NONE ? 0.0 : t, prim, exact.prim);
     double limit = prim == RB_NONE ? HUGE_VAL : t;
     tally->rays++;
     tally->hits += prim != RB_NONE;
@@ -405,6 +420,13 @@ static void compare_hit(const struct rb_scene *scene, const struct ref_world *wo
     double depth = same ? 0.0 : ref_depth_before(scene, &ray, limit) / ulp;
     tally->differ += !same;
     tally->depth_ulps = fmax(tally->depth_ulps, depth);
+    if (getenv("DIAG") && prim != RB_NONE && off > 16) {
+        printf("DIAG off kind %d prim %u ulps %.1f t %.9g exact prim %u t %.9g cos %g", rb_scene_kind(scene, prim), prim, off, t, exact.prim, exact.t, exact.cosine);
+        if (rb_scene_kind(scene, prim) == RB_TRIANGLE) { double nn[3]; ref_normal(scene, prim, ray.o, nn); printf(" owncos %g", fabs(ref_dot(nn, ray.d))); } if (rb_scene_kind(scene, prim) == RB_TRIANGLE) printf(" altitude %g", altitude(&scene->triangles[prim - scene->first[RB_TRIANGLE]]));
+        printf("\n");
+    }
+    if (getenv("DIAG") && depth > 16)
+        printf("DIAG missed kind %d prim %u ulps %.1f t %.9g exact prim %u t %.9g cos %g clear %g self %u\n", prim==RB_NONE?-1:(int)rb_scene_kind(scene, prim), prim, depth, t, exact.prim, exact.t, exact.cosine, exact.clearance, ray.self);
     if (off > ULPS_MAX || depth > ULPS_MAX)
         show("hit", rays, i, prim, t, &exact, fmax(off, depth));
 }
@@ -502,6 +524,8 @@ static void compare_normals(const struct rb_scene *scene, const struct rb_rays *
         ref_along(got, sign, n, n);
         if (rb_scene_kind(scene, prim) == RB_SPHERE)
             radius = fabs((double)scene->spheres[prim].radius);
+        if (rb_scene_kind(scene, prim) == RB_TRIANGLE)
+            radius = altitude(&scene->triangles[prim - scene->first[RB_TRIANGLE]]);
         if (rb_scene_kind(scene, prim) == RB_CONE) {
             const struct rb_cone *cone = &scene->cones[prim - scene->first[RB_CONE]];
             double base[3], axis[3], l[3];
@@ -511,7 +535,7 @@ static void compare_normals(const struct rb_scene *scene, const struct rb_rays *
             ref_along(l, -ref_dot(l, axis), axis, l);
             radius = ref_length(l);
         }
-        double ulps = ref_length(n) * radius / fmax(ulp_of(scene, &ray, prim, prim), 0x1p-24 * radius);
+        double ulps = ref_length(n) * radius / fmax(ulp_of(scene, &ray, (double)hits->t[i], prim, prim), 0x1p-24 * radius);
         tally->normal_ulps = fmax(tally->normal_ulps, ulps);
         if (ulps > ULPS_MAX)
             show("normal", rays, i, prim, (double)hits->t[i], &(struct ref_hit){0}, ulps);

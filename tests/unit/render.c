@@ -8,9 +8,14 @@
 #include <string.h>
 
 static const struct rb_settings plain = {.width = 72, .height = 56};
-static const struct rb_settings rich = {
-    .width = 40, .height = 40, .aa = 2, .light_samples = 6, .light_size = 0.5, .ambient = 0.1,
-    .phong = true, .seed = 7};
+static const struct rb_settings rich = {.width = 40,
+                                        .height = 40,
+                                        .aa = 2,
+                                        .light_samples = 6,
+                                        .light_size = 0.5,
+                                        .ambient = 0.1,
+                                        .phong = true,
+                                        .seed = 7};
 static const struct rb_settings spd = {.width = 50, .height = 50, .spd = true};
 
 static struct rb_run_result render(const struct rb_scene *scene, const struct rb_variant *variant,
@@ -63,12 +68,13 @@ static void check_counts(const struct rb_scene *scene, const char *name)
             bounces = bounces && traced == r->reflected[b] + r->refracted[b] &&
                       r->reflected[b] <= r->hits[b - 1];
         within = within && r->hits[b] <= traced && r->tally[RB_STAGE_SHADE][b].rays == traced;
-        shadows = shadows && r->tally[RB_STAGE_TRACE_SHADOW][b].rays <=
-                                 r->hits[b] * scene->light_count;
+        shadows =
+            shadows && r->tally[RB_STAGE_TRACE_SHADOW][b].rays <= r->hits[b] * scene->light_count;
     }
     ok(camera == 72 * 56 && r->tally[RB_STAGE_GENERATE][0].rays == camera,
        "%s: one camera ray per pixel", name);
-    ok(bounces, "%s: rays of a bounce are the reflected and refracted rays of the one before", name);
+    ok(bounces, "%s: rays of a bounce are the reflected and refracted rays of the one before",
+       name);
     ok(within && shadows, "%s: hits and shadow rays stay within what bounds them", name);
 }
 
@@ -134,8 +140,8 @@ static void check_splitting(const struct rb_scene *scene)
 
 int main(void)
 {
-    static const char *const names[] = {"balls_low", "balls_medium", "balls_high",
-                                        "mount_low", "mount_high"};
+    static const char *const names[] = {"balls_low", "balls_medium", "balls_high", "mount_low",
+                                        "mount_high"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         struct rb_scene scene;
         struct rb_error error = {0};

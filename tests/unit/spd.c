@@ -11,7 +11,8 @@
 static void check(const char *what, double counted, double published)
 {
     double off = counted / published - 1.0;
-    ok(fabs(off) <= 1e-3, "%s: %.0f, published %.0f, %+.4f %%", what, counted, published, off * 100);
+    ok(fabs(off) <= 1e-3, "%s: %.0f, published %.0f, %+.4f %%", what, counted, published,
+       off * 100);
 }
 
 // Counts of the whole frame.
