@@ -1,4 +1,5 @@
 // `raybench bench`: every row of the table on every scene asked for.
+#define _POSIX_C_SOURCE 200809L
 #include "bench/bench.h"
 
 #include "base/file.h"
@@ -8,7 +9,7 @@
 #include "cli/commands.h"
 
 #include <stdio.h>
-#include <string.h>
+#include <unistd.h>
 
 static int run(const struct rb_arguments *arguments);
 
@@ -76,6 +77,14 @@ static int bench_scene(struct session *session, const char *name)
     return status ? rb_report(status, &error) : 0;
 }
 
+// A line that the table of the scene replaces, for those who watch a terminal.
+static void announce(const struct session *session, const char *name, int index, int count)
+{
+    if (isatty(STDERR_FILENO) && !session->arguments->quiet)
+        fprintf(stderr, "\rmeasuring %s (%d of %d), about %.0f s left ...\033[K\r", name, index + 1,
+                count, session->scene_budget_s * (count - index));
+}
+
 static int bench_scenes(struct session *session)
 {
     const struct rb_arguments *arguments = session->arguments;
@@ -86,9 +95,12 @@ static int bench_scenes(struct session *session)
             count++;
     session->scene_budget_s = budget_s / count;
     session->probe_ns = rb_probe_cost_ns();
-    for (int i = 0; i < count && code == 0; i++)
-        code = bench_scene(session, arguments->positional_count ? arguments->positional[i]
-                                                                : rb_presets[i].name);
+    for (int i = 0; i < count && code == 0; i++) {
+        const char *name =
+            arguments->positional_count ? arguments->positional[i] : rb_presets[i].name;
+        announce(session, name, i, count);
+        code = bench_scene(session, name);
+    }
     if (code == 0)
         rb_table_print_probes(session->probe_ns, session->probe_worst);
     return code;
