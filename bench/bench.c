@@ -15,7 +15,7 @@ static int run(const struct rb_arguments *arguments);
 
 static const struct rb_option options[] = {
     {"--budget", "S", RB_OPTION_NUMBER, offsetof(struct rb_arguments, budget_s), 0.1, 86400,
-     "seconds to spend measuring, all scenes together; default 60"},
+     "seconds to spend measuring, all scenes together; default 10 per scene"},
     {"--out", "DIR", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
      "folder for result folders; default results"},
     {"--quiet", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, quiet), 0, 0, "no warnings"},
@@ -89,11 +89,10 @@ static int bench_scenes(struct session *session)
 {
     const struct rb_arguments *arguments = session->arguments;
     int count = arguments->positional_count, code = 0;
-    double budget_s = arguments->budget_s > 0 ? arguments->budget_s : 60;
     if (count == 0)
         while (rb_presets[count].name)
             count++;
-    session->scene_budget_s = budget_s / count;
+    session->scene_budget_s = arguments->budget_s > 0 ? arguments->budget_s / count : 10;
     session->probe_ns = rb_probe_cost_ns();
     for (int i = 0; i < count && code == 0; i++) {
         const char *name =

@@ -2,17 +2,17 @@
 // off a convex one whose triangle holds no other vertex.
 //
 // Only reflex vertices can lie in such a triangle (Held 2001, "FIST: Fast Industrial-Strength
-// Triangulation of Polygons"). They are kept in a uniform grid, and a test visits only the cells
-// the triangle covers. The ears cut off tile the polygon, so all successful tests together visit
-// each cell a few times; failing ones stop at the first vertex found. Sorting the vertices along
-// one axis instead is quadratic for wheels: at their ends much of the rim shares one coordinate.
+// Triangulation of Polygons"). They are kept in a tree of boxes, so that a test looks at those near
+// the triangle. Two plainer ways are quadratic for shapes that exist: sorting them along one axis
+// for wheels, where much of the rim shares one coordinate; a uniform grid for racks, whose last
+// triangles are as long as the rack and thinner than a cell.
 //
 // The polygon is projected along the dominant axis of its normal by leaving that coordinate out, so
 // no rounding happens before the orientation tests, which are plain double precision: vertices that
 // are collinear up to rounding may give a sliver on the wrong side, far below single precision.
 #include "scene/polygon.h"
 
-#include "scene/polygon_grid.h"
+#include "scene/polygon_tree.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -34,10 +34,10 @@ struct queue {
 struct clipper {
     struct rb_polygon *polygon;
     struct rb_ring_vertex *vertices;
-    struct rb_polygon_grid grid;
+    struct rb_polygon_tree tree;
     struct queue queue;
     uint32_t left;         // vertices not yet cut off
-    uint32_t reflex_count; // of them, in the grid
+    uint32_t reflex_count; // of them, in the tree
     enum rigour rigour;
     uint32_t round;
 };
@@ -158,24 +158,29 @@ static bool is_ear(struct clipper *c, uint32_t v)
     const struct rb_ring_vertex *t[3] = {&c->vertices[b->prev], b, &c->vertices[b->next]};
     bool spike = t[0]->x == t[2]->x && t[0]->y == t[2]->y;
     bool doubled = (b->x == t[0]->x && b->y == t[0]->y) || (b->x == t[2]->x && b->y == t[2]->y);
-    c->grid.steps++;
+    c->tree.steps++;
     if (c->rigour == ANY || spike || doubled)
         return true; // the last two leave the outline as it is
     if (!(rb_ring_area(t[0], t[1], t[2]) > 0.0))
         return false;
     return c->rigour == CONVEX || c->reflex_count == 0 ||
-           !rb_polygon_grid_blocks(&c->grid, t,
+           !rb_polygon_tree_blocks(&c->tree, t,
                                    c->rigour == STRICT ? RB_RING_STRICT : RB_RING_LENIENT);
+}
+
+static void not_reflex(struct clipper *c, struct rb_ring_vertex *v)
+{
+    v->reflex = false;
+    c->reflex_count--;
+    rb_polygon_tree_remove(&c->tree, v->slot);
 }
 
 // The vertex lost a neighbour: it may be convex now, and is worth another look.
 static void update(struct clipper *c, uint32_t v)
 {
     struct rb_ring_vertex *b = &c->vertices[v];
-    if (b->reflex && rb_ring_area(&c->vertices[b->prev], b, &c->vertices[b->next]) > 0.0) {
-        b->reflex = false;
-        c->reflex_count--;
-    }
+    if (b->reflex && rb_ring_area(&c->vertices[b->prev], b, &c->vertices[b->next]) > 0.0)
+        not_reflex(c, b);
     b->round = c->round;
     enqueue(c, v);
 }
@@ -187,10 +192,8 @@ static bool clip(struct clipper *c, uint32_t v)
     struct rb_ring_vertex *before = &c->vertices[b->prev], *behind = &c->vertices[b->next];
     bool fits = !(rb_ring_area(before, b, behind) > 0.0) || emit(c->polygon, b->prev, v, b->next);
     b->gone = true;
-    if (b->reflex) {
-        b->reflex = false;
-        c->reflex_count--;
-    }
+    if (b->reflex)
+        not_reflex(c, b);
     before->next = b->next;
     behind->prev = b->prev;
     c->left--;
@@ -224,7 +227,7 @@ static bool pass(struct clipper *c, uint32_t most, uint32_t *cut)
 
 static void enqueue_all(struct clipper *c, uint32_t count)
 {
-    c->grid.steps += count;
+    c->tree.steps += count;
     for (uint32_t i = 0; i < count; i++) {
         if (!c->vertices[i].gone)
             enqueue(c, i);
@@ -246,7 +249,7 @@ static enum rb_status clip_ears(struct clipper *c, uint32_t count, struct rb_err
         if (!pass(c, most, &cut))
             return rb_error_memory(error, "the triangles of a polygon");
         progress |= cut > 0;
-        if (c->polygon->steps + c->grid.steps > RB_POLYGON_STEPS_MAX)
+        if (c->polygon->steps + c->tree.steps > RB_POLYGON_STEPS_MAX)
             return rb_error_set(error, RB_INVALID,
                                 "the outline of the polygon is too tangled to cut into triangles; "
                                 "split it, or check whether it crosses itself");
@@ -264,13 +267,15 @@ static enum rb_status clip_ears(struct clipper *c, uint32_t count, struct rb_err
 static enum rb_status cut_concave(struct clipper *c, uint32_t count, struct rb_error *error)
 {
     struct rb_polygon *polygon = c->polygon;
+    // An outline that winds around several times may have no reflex vertex at all.
     if (!rb_array_reserve(&polygon->queue, count, sizeof *c->queue.ring) ||
-        !rb_polygon_grid_fill(&c->grid, c->vertices, count, c->reflex_count, &polygon->cells,
-                              &polygon->blockers))
+        (c->reflex_count > 0 &&
+         !rb_polygon_tree_build(&c->tree, c->vertices, count, c->reflex_count, &polygon->slots,
+                                &polygon->nodes)))
         return rb_error_memory(error, "a polygon");
     c->queue = (struct queue){.ring = polygon->queue.data, .size = count};
     enum rb_status status = clip_ears(c, count, error);
-    polygon->steps += c->grid.steps;
+    polygon->steps += c->tree.steps;
     return status;
 }
 
@@ -293,7 +298,7 @@ enum rb_status rb_polygon_triangulate(struct rb_polygon *polygon, const double (
 void rb_polygon_release(struct rb_polygon *polygon)
 {
     struct rb_array *arrays[] = {&polygon->triangles, &polygon->vertices, &polygon->queue,
-                                 &polygon->cells, &polygon->blockers};
+                                 &polygon->slots, &polygon->nodes};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rb_array_release(arrays[i]);
     polygon->steps = 0;

@@ -78,8 +78,8 @@ struct rb_scene {
 
     struct rb_sphere *spheres;
     struct rb_triangle *triangles;
-    float (*triangle_normals)[3]; // unit geometric normals, one per triangle
-    uint32_t *triangle_smooth;    // index into smooth_normals or RB_NONE; NULL if none is smooth
+    float (*triangle_normals)[3];  // unit geometric normals, one per triangle
+    uint32_t *triangle_smooth;     // index into smooth_normals or RB_NONE; NULL if none is smooth
     float (*smooth_normals)[3][3]; // one unit normal per vertex
     struct rb_cone *cones;
     struct rb_plane *planes;
@@ -148,8 +148,8 @@ static inline enum rb_kind rb_scene_kind(const struct rb_scene *scene, uint32_t 
     return id < scene->first[RB_PLANE] ? RB_CONE : RB_PLANE;
 }
 
-// Bounding boxes, a function of the stored data alone. A hit counts only if the ray passes this very
-// box (kernels/intersect.h), and trees are built over it. A cone stores its box.
+// Bounding boxes, a function of the stored data alone. A hit counts only if the ray passes this
+// very box (kernels/intersect.h), and trees are built over it. A cone stores its box.
 static inline void rb_sphere_bounds(const struct rb_sphere *sphere, float low[3], float high[3])
 {
     float r = sphere->radius < 0.0f ? -sphere->radius : sphere->radius;
