@@ -11,10 +11,12 @@ if [ "${TEST_SLOW:-1}" = 0 ]; then
     exit 0
 fi
 
+rows() { "$1" list variants --json | sed -n 's/.*"name": "\([^"]*\)", "available": true.*/\1/p'; }
+
 # PROGRAM: one line per scene and row. The reference is too slow for the two largest scenes.
 hashes() {
     for scene in $scenes; do
-        for variant in $("$1" list variants --json | sed -n 's/.*"name": "\([^"]*\)", "available": true.*/\1/p'); do
+        for variant in $(rows "$1"); do
             case $scene/$variant in mount_very_high/naive* | balls_high/naive*) continue ;; esac
             printf '%s %s ' "$scene" "$variant"
             "$1" render "$scene" --size 48x48 --variant "$variant" --tile 32 --hash --quiet

@@ -361,23 +361,32 @@ struct ref_hit ref_closest_brute(const struct rb_scene *scene, const struct ref_
     return best;
 }
 
-// Where the ray enters a box, widened by more than double precision can lose; HUGE_VAL if it passes.
-static double box_entry(const struct ref_node *node, const struct ref_ray *ray)
+// Where the ray is inside a box, from *near to *far; false if nowhere. The box is widened by more
+// than double precision can lose.
+static bool box_range(const struct ref_node *node, const struct ref_ray *ray, double *near,
+                      double *far)
 {
-    double near = 0.0, far = HUGE_VAL;
+    *near = 0.0, *far = HUGE_VAL;
     for (int k = 0; k < 3; k++) {
         double margin = 1e-12 * (fabs(ray->o[k]) + fabs(node->low[k]) + fabs(node->high[k]));
         double low = node->low[k] - margin - ray->o[k], high = node->high[k] + margin - ray->o[k];
         if (ray->d[k] == 0.0) {
             if (low > 0.0 || high < 0.0)
-                return HUGE_VAL;
+                return false;
             continue;
         }
         double a = low / ray->d[k], b = high / ray->d[k];
-        near = fmax(near, fmin(a, b) * (1.0 - 1e-12));
-        far = fmin(far, fmax(a, b) * (1.0 + 1e-12));
+        *near = fmax(*near, fmin(a, b) * (1.0 - 1e-12));
+        *far = fmin(*far, fmax(a, b) * (1.0 + 1e-12));
     }
-    return near <= far ? near : HUGE_VAL;
+    return *near <= *far;
+}
+
+// HUGE_VAL if the ray passes the box by.
+static double box_entry(const struct ref_node *node, const struct ref_ray *ray)
+{
+    double near, far;
+    return box_range(node, ray, &near, &far) ? near : HUGE_VAL;
 }
 
 struct ref_hit ref_closest(const struct ref_world *world, const struct ref_ray *ray)
@@ -392,7 +401,8 @@ struct ref_hit ref_closest(const struct ref_world *world, const struct ref_ray *
         stack[depth++] = 0;
     while (depth > 0) {
         const struct ref_node *node = &world->nodes[stack[--depth]];
-        if (!(box_entry(node, ray) <= best.t))
+        double entry = box_entry(node, ray);
+        if (entry == HUGE_VAL || entry > best.t)
             continue;
         for (uint32_t i = 0; i < node->count; i++)
             take_closer(scene, world->refs[node->first + i], ray, &best);
@@ -480,6 +490,24 @@ double ref_distance(const struct rb_scene *scene, uint32_t prim, const double p[
     }
 }
 
+double ref_off(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray, double t)
+{
+    double p[3], w[3], gap = HUGE_VAL;
+    ref_along(ray->o, t, ray->d, p);
+    if (rb_scene_kind(scene, prim) != RB_TRIANGLE)
+        return ref_distance(scene, prim, p);
+    struct corners c = corners_of(scene, prim);
+    struct ref_hit hits[2];
+    struct ref_ray line = {.self = RB_NONE, .shadow = true};
+    memcpy(line.o, ray->o, sizeof line.o), memcpy(line.d, ray->d, sizeof line.d);
+    for (int i = 0; i < 3; i++)
+        gap = fmin(gap, line_segment_distance(ray->o, ray->d, c.v[i], c.v[(i + 1) % 3]));
+    if (triangle_crossings(scene, prim, &line, hits))
+        gap = 0.0;
+    subtract(p, c.v[0], w);
+    return fmax(gap, fabs(ref_dot(w, c.normal)));
+}
+
 static double distance_at(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray,
                           double t)
 {
@@ -488,21 +516,19 @@ static double distance_at(const struct rb_scene *scene, uint32_t prim, const str
     return ref_distance(scene, prim, p);
 }
 
-// The smallest distance of a primitive from a piece of a ray: steps, then ternary search around the
-// best of them.
+// The smallest distance of a primitive from the piece low <= t <= high of a ray: steps, then ternary
+// search around the best of them.
 static double piece_distance(const struct rb_scene *scene, uint32_t prim,
-                             const struct ref_ray *ray, double distance)
+                             const struct ref_ray *ray, double low, double high)
 {
     enum { STEPS = 256 };
-    int best = 0;
-    double nearest = HUGE_VAL;
+    double nearest = HUGE_VAL, best = low, step = (high - low) / STEPS;
     for (int i = 0; i <= STEPS; i++) {
-        double here = distance_at(scene, prim, ray, distance * i / STEPS);
+        double here = distance_at(scene, prim, ray, low + i * step);
         if (here < nearest)
-            nearest = here, best = i;
+            nearest = here, best = low + i * step;
     }
-    double low = fmax(distance * (best - 1) / STEPS, 0.0);
-    double high = fmin(distance * (best + 1) / STEPS, distance);
+    low = fmax(low, best - step), high = fmin(high, best + step);
     for (int i = 0; i < 100; i++) {
         double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
         if (distance_at(scene, prim, ray, a) < distance_at(scene, prim, ray, b))
@@ -517,11 +543,12 @@ double ref_gap_before(const struct rb_scene *scene, const struct ref_ray *ray, d
 {
     double nearest = HUGE_VAL;
     for (uint32_t prim = 0; prim < scene->primitive_count; prim++) {
+        double from = 0.0, to = distance;
         if (prim == ray->self)
             continue;
         if (crosses_before(scene, prim, ray, distance))
             return 0.0;
-        if (prim < scene->bounded_count) { // skip what is nowhere near
+        if (prim < scene->bounded_count) { // look where it is near; elsewhere it cannot be at fault
             float low[3], high[3];
             struct ref_node box;
             rb_scene_bounds(scene, prim, low, high);
@@ -529,10 +556,10 @@ double ref_gap_before(const struct rb_scene *scene, const struct ref_ray *ray, d
                 double margin = 1e-3 * (fabs((double)high[k]) + fabs((double)low[k]) + 1e-3);
                 box.low[k] = (double)low[k] - margin, box.high[k] = (double)high[k] + margin;
             }
-            if (!(box_entry(&box, ray) < distance))
+            if (!box_range(&box, ray, &from, &to) || from > distance)
                 continue;
         }
-        nearest = fmin(nearest, piece_distance(scene, prim, ray, distance));
+        nearest = fmin(nearest, piece_distance(scene, prim, ray, from, fmin(to, distance)));
     }
     return nearest;
 }

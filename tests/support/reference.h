@@ -63,6 +63,11 @@ double ref_depth_before(const struct rb_scene *scene, const struct ref_ray *ray,
 // Distance of point `p` from the surface of a primitive.
 double ref_distance(const struct rb_scene *scene, uint32_t prim, const double p[3]);
 
+// How far ray and surface would have to be moved for a hit on `prim` at `t` to be exact: the distance
+// of the point from the surface; of a triangle, the distance of the point from its plane or of the
+// line from its inside, whichever is larger (so a triangle seen edge-on may be hit anywhere).
+double ref_off(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray, double t);
+
 // Smallest distance between any primitive (but the ray's own) and the piece 0 <= t <= distance of
 // the ray: how far the ray must be moved for an occlusion to be true.
 double ref_gap_before(const struct rb_scene *scene, const struct ref_ray *ray, double distance);

@@ -410,9 +410,7 @@ static void compare_hit(const struct rb_scene *scene, const struct ref_world *wo
     tally->rays++;
     tally->hits += prim != RB_NONE;
     if (prim != RB_NONE) {
-        double p[3];
-        ref_along(ray.o, t, ray.d, p);
-        off = ref_distance(scene, prim, p) / ulp;
+        off = ref_off(scene, prim, &ray, t) / ulp;
         tally->hit_ulps = fmax(tally->hit_ulps, off);
     }
     bool same = (prim == RB_NONE) == (exact.prim == RB_NONE) &&
@@ -504,6 +502,15 @@ static uint64_t trace_all(const struct stage *stage, bool one_sided, const struc
     return inexact;
 }
 
+// Cosine between a triangle's plane normal and a ray: seen edge-on, places on it mean little.
+static double edge_on(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray)
+{
+    const float *n = scene->triangle_normals[prim - scene->first[RB_TRIANGLE]];
+    double normal[3];
+    widen(n, normal);
+    return fabs(ref_dot(normal, ray->d));
+}
+
 // Normals of the surface kernel, as a displacement of the point: the angle off, times the radius of
 // curvature (1 for what is flat).
 static void compare_normals(const struct rb_scene *scene, const struct rb_rays *rays,
@@ -525,7 +532,8 @@ static void compare_normals(const struct rb_scene *scene, const struct rb_rays *
         if (rb_scene_kind(scene, prim) == RB_SPHERE)
             radius = fabs((double)scene->spheres[prim].radius);
         if (rb_scene_kind(scene, prim) == RB_TRIANGLE)
-            radius = altitude(&scene->triangles[prim - scene->first[RB_TRIANGLE]]);
+            radius = edge_on(scene, prim, &ray) *
+                     altitude(&scene->triangles[prim - scene->first[RB_TRIANGLE]]);
         if (rb_scene_kind(scene, prim) == RB_CONE) {
             const struct rb_cone *cone = &scene->cones[prim - scene->first[RB_CONE]];
             double base[3], axis[3], l[3];
