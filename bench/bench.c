@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 static int run(const struct rb_arguments *arguments);
@@ -43,14 +44,34 @@ const struct rb_command rb_command_bench = {
     .run = run,
 };
 
-// The results in the making.
+// The results in the making. The CSV is kept in memory and saved after every scene, so that an
+// interrupted run leaves whole files of what it has measured.
 struct session {
     const struct rb_arguments *arguments;
-    struct rb_output csv;
+    const char *parent;
+    char folder[RB_PATH_MAX];
+    char *text;
+    size_t length;
+    FILE *csv; // writes to `text`
     double scene_budget_s;
     double probe_ns, probe_worst;
     bool mismatch;
 };
+
+static enum rb_status save(struct session *session, struct rb_error *error)
+{
+    char path[RB_PATH_MAX + 16];
+    struct rb_output output;
+    if (fflush(session->csv) != 0)
+        return rb_error_memory(error, "the results");
+    snprintf(path, sizeof path, "%s/kernels.csv", session->folder);
+    enum rb_status status = rb_output_open(&output, path, error);
+    if (status)
+        return status;
+    fwrite(session->text, 1, session->length, output.stream);
+    status = rb_output_commit(&output, error);
+    return status ? status : rb_folder_link_latest(session->parent, session->folder, error);
+}
 
 static int bench_scene(struct session *session, const char *name)
 {
@@ -64,7 +85,7 @@ static int bench_scene(struct session *session, const char *name)
                                                session->scene_budget_s, &error);
     if (status == RB_OK) {
         rb_table_print(&bench);
-        rb_csv_rows(session->csv.stream, &bench);
+        rb_csv_rows(session->csv, &bench);
         session->mismatch |= bench.mismatch;
         for (int i = 0; i < bench.row_count; i++) {
             double share = rb_row_probe_share(&bench.rows[i], session->probe_ns);
@@ -74,6 +95,8 @@ static int bench_scene(struct session *session, const char *name)
     }
     rb_scene_bench_free(&bench);
     rb_scene_free(&scene);
+    if (status == RB_OK)
+        status = save(session, &error);
     return status ? rb_report(status, &error) : 0;
 }
 
@@ -107,25 +130,23 @@ static int bench_scenes(struct session *session)
 
 static int run(const struct rb_arguments *arguments)
 {
-    const char *parent = arguments->output ? arguments->output : "results";
-    struct session session = {.arguments = arguments};
+    struct session session = {
+        .arguments = arguments,
+        .parent = arguments->output ? arguments->output : "results",
+    };
     struct rb_error error = {0};
-    char folder[RB_PATH_MAX], path[RB_PATH_MAX + 16];
-    enum rb_status status = rb_folder_make(parent, folder, &error);
+    enum rb_status status = rb_folder_make(session.parent, session.folder, &error);
     if (status)
         return rb_report(status, &error);
-    snprintf(path, sizeof path, "%s/kernels.csv", folder);
-    status = rb_output_open(&session.csv, path, &error);
-    if (status)
-        return rb_report(status, &error);
-    rb_csv_header(session.csv.stream);
+    session.csv = open_memstream(&session.text, &session.length);
+    if (!session.csv)
+        return rb_report(rb_error_memory(&error, "the results"), &error);
+    rb_csv_header(session.csv);
     int code = bench_scenes(&session);
-    // What was measured before a failure is kept as well.
-    status = rb_output_commit(&session.csv, &error);
-    if (status == RB_OK)
-        status = rb_folder_link_latest(parent, folder, &error);
-    if (status)
-        return rb_report(status, &error);
-    printf("Results are in %s.\n", path);
+    fclose(session.csv);
+    free(session.text);
+    rmdir(session.folder); // stays if anything is in it
+    if (code == 0)
+        printf("Results are in %s/kernels.csv.\n", session.folder);
     return code ? code : session.mismatch ? RB_INVALID : 0;
 }
