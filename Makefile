@@ -1,7 +1,7 @@
 # The only build file. `make help` lists the targets.
 #
 # Variables a caller may set:
-#   CC=gcc|clang  OPT=-O2  WERROR=1  SANITIZE=address,undefined  EXTRA_CFLAGS=...
+#   CC=gcc|clang  OPT=-O2  WERROR=1  SANITIZE=address,undefined  CFLAGS=... LDFLAGS=...
 #   CONFIG=release         objects and programs go to build/$(CONFIG)
 #   OPENMP=0  PNG=0        build without what was found on this machine
 
@@ -26,14 +26,16 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion \
             -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wundef
 # Exactness: no contraction into FMA. No errno, so that sqrtf is the instruction.
 EXACT    := -ffp-contract=off -fno-math-errno
-CPPFLAGS := -Isrc -I. -DRB_PNG=$(PNG) -MMD -MP
-CFLAGS   := -std=c11 -g $(OPT) $(WARNINGS) $(EXACT) $(if $(WERROR),-Werror) \
-            $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-sanitize-recover=all) $(EXTRA_CFLAGS)
-LDFLAGS  := $(if $(SANITIZE),-fsanitize=$(SANITIZE))
-LDLIBS   := $(if $(filter 1,$(PNG)),-lpng) -lm
+INCLUDE  := -Isrc -I. -DRB_PNG=$(PNG) -MMD -MP
+NEEDED   := -std=c11 -g $(OPT) $(WARNINGS) $(if $(WERROR),-Werror) \
+            $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-sanitize-recover=all)
+LINK     := $(if $(SANITIZE),-fsanitize=$(SANITIZE))
+LIBS     := $(if $(filter 1,$(PNG)),-lpng) -lm
 ifeq ($(OPENMP),1)
-CFLAGS  += -fopenmp
-LDFLAGS += -fopenmp
+NEEDED += -fopenmp
+LINK   += -fopenmp
+else
+NEEDED += -Wno-unknown-pragmas
 endif
 
 # One word per step, none under make -s.
@@ -90,7 +92,7 @@ build/raybench: $(B)/raybench
 
 $(B)/raybench: $(B)/src/main.o $(B)/libraybench.a
 	$(say) "  link $@"
-	@$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	@$(CC) $(LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 $(B)/libraybench.a: $(LIB_OBJ)
 	@rm -f $@
@@ -99,22 +101,22 @@ $(B)/libraybench.a: $(LIB_OBJ)
 unit: $(UNIT)
 $(B)/tests/unit/%: $(B)/tests/unit/%.o $(TEST_OBJ) $(B)/libraybench.a
 	$(say) "  link $@"
-	@$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	@$(CC) $(LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 $(FUZZ_REPLAY): $(B)/tests/fuzz/fuzz_nff.o $(B)/tests/fuzz/replay.o $(B)/libraybench.a
 	$(say) "  link $@"
-	@$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	@$(CC) $(LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 $(B)/%.o: %.c $(B)/flags
 	@mkdir -p $(@D)
 	$(say) "  cc   $<"
-	@$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+	@$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) -c -o $@ $<
 
 # Rewritten only when compiler or flags change, so that they rebuild everything.
 $(B)/flags: force
 	@mkdir -p $(@D)
-	@echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LDLIBS)' | cmp -s - $@ || \
-	  echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LDLIBS)' > $@
+	@echo '$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LINK) $(LDFLAGS) $(LIBS)' | cmp -s - $@ || \
+	  echo '$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LINK) $(LDFLAGS) $(LIBS)' > $@
 .SECONDARY:
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)

@@ -39,7 +39,7 @@ const struct rb_command rb_command_bench = {
     "Results are kept in DIR/latest/kernels.csv; results/README.md explains the columns.",
     .positional_min = 0,
     .positional_max = 16,
-    .groups = (const struct rb_option *const[]){options, rb_options_settings, rb_options_variant,
+    .groups = (const struct rb_option *const[]){options, rb_options_settings, rb_options_threads,
                                                 rb_options_strict, NULL},
     .run = run,
 };
@@ -49,7 +49,7 @@ const struct rb_command rb_command_bench = {
 struct session {
     const struct rb_arguments *arguments;
     const char *parent;
-    char folder[RB_PATH_MAX];
+    char folder[RB_PATH_MAX]; // "" until there is something to save
     char *text;
     size_t length;
     FILE *csv; // writes to `text`
@@ -64,8 +64,13 @@ static enum rb_status save(struct session *session, struct rb_error *error)
     struct rb_output output;
     if (fflush(session->csv) != 0)
         return rb_error_memory(error, "the results");
+    enum rb_status status = RB_OK;
+    if (!session->folder[0])
+        status = rb_folder_make(session->parent, session->folder, error);
+    if (status)
+        return status;
     snprintf(path, sizeof path, "%s/kernels.csv", session->folder);
-    enum rb_status status = rb_output_open(&output, path, error);
+    status = rb_output_open(&output, path, error);
     if (status)
         return status;
     fwrite(session->text, 1, session->length, output.stream);
@@ -135,7 +140,7 @@ static int run(const struct rb_arguments *arguments)
         .parent = arguments->output ? arguments->output : "results",
     };
     struct rb_error error = {0};
-    enum rb_status status = rb_folder_make(session.parent, session.folder, &error);
+    enum rb_status status = rb_folder_check(session.parent, &error);
     if (status)
         return rb_report(status, &error);
     session.csv = open_memstream(&session.text, &session.length);
@@ -145,7 +150,6 @@ static int run(const struct rb_arguments *arguments)
     int code = bench_scenes(&session);
     fclose(session.csv);
     free(session.text);
-    rmdir(session.folder); // stays if anything is in it
     if (code == 0)
         printf("Results are in %s/kernels.csv.\n", session.folder);
     return code ? code : session.mismatch ? RB_INVALID : 0;

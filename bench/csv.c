@@ -68,8 +68,8 @@ static void put_variant(FILE *out, const struct line *line)
 
 static void put_threads(FILE *out, const struct line *line)
 {
-    if (line->row->renderer)
-        fprintf(out, "%d", rb_renderer_thread_count(line->row->renderer));
+    if (rb_row_has_time(line->row))
+        fprintf(out, "%d", rb_row_threads(line->row));
 }
 
 static void put_kernel(FILE *out, const struct line *line)
@@ -179,7 +179,7 @@ static void put_kernels(FILE *out, struct line line)
                 continue;
             line.kernel = rb_stage_names[stage];
             line.bounce = bounce;
-            if (line.row->state >= RB_ROW_MEASURED)
+            if (rb_row_has_time(line.row))
                 line.ns_per_ray = rb_row_cell(line.row, (enum rb_stage)stage, bounce);
             line.ns = line.ns_per_ray.value * (double)line.count->rays;
             put_line(out, &line);
@@ -202,8 +202,11 @@ void rb_csv_rows(FILE *out, const struct rb_scene_bench *bench)
         const struct rb_row *row = &bench->rows[i];
         struct line line = {.bench = bench, .row = row, .ns_per_ray = none};
         put_kernels(out, line);
-        if (row->state < RB_ROW_MEASURED)
+        if (!rb_row_has_time(row))
             continue;
+        for (int stage = RB_KERNEL_COUNT; stage < RB_STAGE_COUNT; stage++)
+            put_whole(out, line, rb_stage_names[stage],
+                      rb_row_stage(row, (enum rb_stage)stage, bench->frame_rays).value);
         if (row->variant->accelerator != RB_ACCEL_NONE)
             put_whole(out, line, "build", (double)rb_renderer_build_ns(row->renderer));
         put_whole(out, line, "frame", rb_row_frame(row, bench->frame_rays).value);

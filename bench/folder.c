@@ -28,6 +28,22 @@ static void git_revision(char revision[16])
     snprintf(revision, 16, "%s", read && line[0] ? line : "nogit");
 }
 
+enum rb_status rb_folder_check(const char *parent, struct rb_error *error)
+{
+    char link[RB_PATH_MAX];
+    struct stat info;
+    if (mkdir(parent, 0777) != 0 && errno != EEXIST)
+        return fail("make the folder", parent, error);
+    if (access(parent, W_OK | X_OK) != 0)
+        return fail("write into the folder", parent, error);
+    snprintf(link, sizeof link, "%s/latest", parent);
+    if (lstat(link, &info) == 0 && !S_ISLNK(info.st_mode)) {
+        errno = EEXIST;
+        return fail("make the link", link, error);
+    }
+    return RB_OK;
+}
+
 enum rb_status rb_folder_make(const char *parent, char path[RB_PATH_MAX], struct rb_error *error)
 {
     char when[32], revision[16], host[64] = "";
@@ -37,8 +53,6 @@ enum rb_status rb_folder_make(const char *parent, char path[RB_PATH_MAX], struct
     git_revision(revision);
     gethostname(host, sizeof host - 1);
     host[strcspn(host, "/")] = '\0';
-    if (mkdir(parent, 0777) != 0 && errno != EEXIST)
-        return fail("make the folder", parent, error);
     for (int attempt = 0; attempt < 100; attempt++) { // two runs within a second
         char suffix[8] = "";
         if (attempt)

@@ -6,7 +6,10 @@
 
 enum { RB_PATH_MAX = 768 };
 
-// Makes `parent` and a new folder in it; its path goes to `path`.
+// Makes `parent` if need be and checks that folders can be made in it and `latest` replaced.
+enum rb_status rb_folder_check(const char *parent, struct rb_error *error);
+
+// Makes a new folder in `parent`; its path goes to `path`.
 enum rb_status rb_folder_make(const char *parent, char path[RB_PATH_MAX], struct rb_error *error);
 
 // Points <parent>/latest at the folder.

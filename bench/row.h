@@ -21,32 +21,31 @@ struct rb_row {
     const struct rb_variant *variant;
     enum rb_row_state state;
     struct rb_renderer *renderer;
-    struct rb_run_result samples[RB_ROW_SAMPLES_MAX];
+    struct rb_run_result *samples; // room for RB_ROW_SAMPLES_MAX
     int sample_count;
-    double population; // of groups, where they are a sample
+    double population; // of groups, where samples are groups
 };
 
-// A tile edge that makes a sample of tiles spread well over the image.
-enum { RB_SAMPLE_TILE = 16, RB_SAMPLE_GROUPS = 8 };
+static inline bool rb_row_has_time(const struct rb_row *row)
+{
+    return row->state >= RB_ROW_MEASURED && row->sample_count > 0;
+}
 
-// The tiles (of edge RB_SAMPLE_TILE) all rows are verified on, and sampled rows are timed on, in
-// RB_SAMPLE_GROUPS groups of equal size.
-struct rb_tile_sample {
-    uint32_t *tiles;
-    uint32_t count, total;
-};
-
-// All tiles in random order (seeded); `count` starts out as all of them. Release with rb_free.
-enum rb_status rb_tile_sample_draw(struct rb_tile_sample *sample, int width, int height,
-                                   uint64_t seed, struct rb_error *error);
+// Threads that took part in the first sample; 0 if there is none.
+int rb_row_threads(const struct rb_row *row);
 
 // Rays of trace and trace_shadow, all bounces.
 double rb_result_rays(const struct rb_run_result *result);
 
-// ns of thread time per ray of a kernel at a bounce. NaN where there was no ray.
+// ns per ray of a kernel at a bounce: elapsed time of the threads, added up. NaN where there was no
+// ray.
 struct rb_estimate rb_row_cell(const struct rb_row *row, enum rb_stage stage, int bounce);
 
-// Wall time of a frame that has `frame_rays` rays, in ns.
+// ns of a stage that has no rays, for a whole frame of `frame_rays` rays.
+struct rb_estimate rb_row_stage(const struct rb_row *row, enum rb_stage stage, double frame_rays);
+
+// Wall time of a frame that has `frame_rays` rays, in ns. From groups of tiles: the elapsed time of
+// all threads, shared evenly among them.
 struct rb_estimate rb_row_frame(const struct rb_row *row, double frame_rays);
 
 // Share of the time that reading the clock takes, given what one reading costs.

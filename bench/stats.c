@@ -25,11 +25,12 @@ struct rb_estimate rb_stats_median(double *values, size_t count)
     if (count == 0)
         return (struct rb_estimate){(double)NAN, (double)NAN, (double)NAN};
     qsort(values, count, sizeof *values, compare);
-    size_t k = 1;
+    size_t k = 0;
     while (2 * (k + 1) <= count && rb_stats_median_coverage(count, k + 1) >= 0.95)
         k++;
     double low_middle = values[(count - 1) / 2], high_middle = values[count / 2];
-    return (struct rb_estimate){0.5 * (low_middle + high_middle), values[k - 1], values[count - k]};
+    double low = k ? values[k - 1] : (double)NAN, high = k ? values[count - k] : (double)NAN;
+    return (struct rb_estimate){0.5 * (low_middle + high_middle), low, high};
 }
 
 double rb_stats_t95(size_t degrees)

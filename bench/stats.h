@@ -12,7 +12,7 @@ struct rb_estimate {
 
 // Median of `values` (sorted in place) with the narrowest interval of two order statistics, placed
 // symmetrically, that covers the true median with probability >= 0.95 whatever the distribution
-// (sign test). With fewer than 6 values no such interval exists and it is the whole range.
+// (sign test). With fewer than 6 values no such interval exists: low and high are NaN.
 struct rb_estimate rb_stats_median(double *values, size_t count);
 
 // Probability that the median lies between the k-th smallest and the k-th largest of n values,

@@ -5,24 +5,25 @@
 #include <stdio.h>
 #include <string.h>
 
-// "est. 41230 +-3 %", or the reason why there is no time.
 static void print_frame(const struct rb_scene_bench *bench, const struct rb_row *row)
 {
     const struct rb_row *base = rb_scene_bench_row(bench, row->variant->baseline);
-    printf("  %-12s %7d ", row->variant->name,
-           row->renderer ? rb_renderer_thread_count(row->renderer) : 0);
-    if (row->state == RB_ROW_UNAVAILABLE || row->state == RB_ROW_INVALID) {
-        printf("  %s %s\n", row->state == RB_ROW_INVALID ? "INVALID: differs from" : "needs",
-               row->state == RB_ROW_INVALID ? rb_variants[0].name : row->variant->needs);
+    printf("  %-12s ", row->variant->name);
+    if (!rb_row_has_time(row)) {
+        bool invalid = row->state == RB_ROW_INVALID;
+        printf("%7s   %s %s\n", "-", invalid ? "INVALID: differs from" : "unavailable: needs",
+               invalid ? rb_variants[0].name : row->variant->needs);
         return;
     }
     struct rb_estimate frame = rb_row_frame(row, bench->frame_rays);
-    char interval[48];
-    snprintf(interval, sizeof interval, "%.4g to %.4g", frame.low * 1e-6, frame.high * 1e-6);
-    printf("%5s %10.4g  %-20s %9.3f", row->state == RB_ROW_ESTIMATED ? "est." : "",
-           frame.value * 1e-6, interval, bench->frame_rays / frame.value * 1e3);
-    if (base && base != row && base->sample_count)
-        printf("  %7.2f x %s", rb_row_frame(base, bench->frame_rays).value / frame.value,
+    char interval[48] = "-";
+    if (isfinite(frame.low))
+        snprintf(interval, sizeof interval, "%.4g to %.4g", frame.low * 1e-6, frame.high * 1e-6);
+    printf("%7d %5s %10.4g  %-22s %8.3f", rb_row_threads(row),
+           row->state == RB_ROW_ESTIMATED ? "est." : "", frame.value * 1e-6, interval,
+           bench->frame_rays / frame.value * 1e3);
+    if (base && base != row && rb_row_has_time(base))
+        printf("  %8.2f x %s", rb_row_frame(base, bench->frame_rays).value / frame.value,
                base->variant->name);
     printf("\n");
 }
@@ -72,9 +73,9 @@ void rb_table_print(const struct rb_scene_bench *bench)
     printf("\n%s: %d x %d, depth %d, %" PRIu32 " primitives, %.0f rays a frame\n", bench->name,
            s->width, s->height, s->depth, bench->scene->primitive_count, bench->frame_rays);
     printf("  hits and image of all rows agree with %s on %" PRIu32 " of %" PRIu32 " tiles%s\n",
-           rb_variants[0].name, bench->sample.count, bench->sample.total,
-           bench->mismatch ? ", except the rows marked INVALID" : "");
-    printf("\n  %-12s %7s %16s  %-20s %9s  %s\n", "variant", "threads", "ms/frame", "95 % interval",
+           rb_variants[0].name, bench->tiles.group_count * bench->tiles.group_size,
+           bench->tiles.total, bench->mismatch ? ", except the rows marked INVALID" : "");
+    printf("\n  %-12s %7s %16s  %-22s %8s  %s\n", "variant", "threads", "ms/frame", "95 % interval",
            "Mrays/s", "speed-up");
     for (int i = 0; i < bench->row_count; i++)
         print_frame(bench, &bench->rows[i]);
@@ -84,7 +85,7 @@ void rb_table_print(const struct rb_scene_bench *bench)
         printf(" %9d", bounce);
     printf("\n");
     for (int i = 0; i < bench->row_count; i++)
-        if (bench->rows[i].state >= RB_ROW_MEASURED)
+        if (rb_row_has_time(&bench->rows[i]))
             print_grid(&bench->rows[i], bounces);
     print_ray_counts(bench, bounces);
     fflush(stdout);
@@ -94,7 +95,6 @@ void rb_table_print_probes(double probe_ns, double worst)
 {
     printf("\nA probe costs %.1f ns; probes take at most %.3f %% of a frame (largest row).\n",
            probe_ns, worst * 100.0);
-    printf(
-        "ns per ray are thread time over queue entries, misses included; Mrays/s counts trace and\n"
-        "trace_shadow rays per frame time. est.: from a random sample of tiles.\n");
+    printf("ns per ray: elapsed time of all threads over queue entries, misses included. Mrays/s:\n"
+           "trace and trace_shadow rays per frame time. est.: from a random sample of tiles.\n");
 }

@@ -5,6 +5,7 @@
 #include "bench/bench.h"
 #include "cli/commands.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,13 +38,27 @@ static void remove_partial_output(int signal_number)
     raise(signal_number);
 }
 
+// nohup stays in force. A file size limit shows as a failed write.
 static void catch_signals(void)
 {
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    struct sigaction action = {.sa_handler = remove_partial_output};
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU};
+    struct sigaction action = {.sa_handler = remove_partial_output}, old;
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        sigaction(numbers[i], &action, NULL);
+        if (sigaction(numbers[i], NULL, &old) == 0 &&
+            (numbers[i] != SIGHUP || old.sa_handler != SIG_IGN))
+            sigaction(numbers[i], &action, NULL);
+    signal(SIGXFSZ, SIG_IGN);
+}
+
+// Standard streams that the caller closed must not become the next file we open. Opened in the
+// wrong direction, so that using them still fails.
+static bool occupy_standard_streams(void)
+{
+    for (int fd = 0; fd <= 2; fd++)
+        if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", fd ? O_RDONLY : O_WRONLY) != fd)
+            return false;
+    return true;
 }
 
 static int dispatch(const struct rb_command *command, int count, char **words)
@@ -86,6 +101,8 @@ static int run(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    if (!occupy_standard_streams())
+        return RB_FAILED;
     catch_signals();
     int code = run(argc, argv);
     if ((fflush(stdout) != 0 || ferror(stdout)) && code == 0) {

@@ -5,6 +5,7 @@
 // time.
 #include "accel/bvh.h"
 
+#include "base/fpenv.h"
 #include "base/memory.h"
 #include "base/vec.h"
 
@@ -15,6 +16,7 @@ enum {
     LEAF_MAX = 8,
     DEPTH_HALVE = 48,   // from here on ranges are halved, see RB_BVH_DEPTH_MAX
     SUBTREES = 64,      // shared among the workers
+    BOUND_CHUNK = 4096, // primitives whose boxes a worker computes at a time
     SUBTREE_MIN = 1024, // primitives below which a range is not split for sharing
 };
 
@@ -302,14 +304,57 @@ static double node_cost(const struct rb_bvh_node *node)
     return cost;
 }
 
-static enum rb_status assemble(const struct builder *builder, struct top *top, int threads,
-                               struct rb_bvh *bvh)
+// What the parallel loops below work on.
+struct job {
+    const struct rb_scene *scene;
+    const struct builder *builder;
+    struct top *top;
+    struct rb_bvh *bvh;
+};
+
+typedef void job_step(const struct job *job, uint32_t index);
+
+// Calls step(job, 0 .. count - 1) on `threads` workers, in the default floating-point environment.
+static void for_each(int threads, uint32_t count, job_step *step, const struct job *job)
 {
     (void)threads;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-    for (uint32_t i = 0; i < top->open_count; i++)
-        build_subtree(builder, &top->open[i]);
+#pragma omp parallel num_threads(threads)
+    {
+        fenv_t saved;
+        rb_fpenv_enter(&saved);
+#pragma omp for schedule(dynamic, 1)
+        for (uint32_t i = 0; i < count; i++)
+            step(job, i);
+        rb_fpenv_leave(&saved);
+    }
+}
 
+static void bound_step(const struct job *job, uint32_t chunk)
+{
+    uint32_t begin = chunk * BOUND_CHUNK, rest = job->bvh->ref_count - begin;
+    uint32_t end = begin + (rest < BOUND_CHUNK ? rest : BOUND_CHUNK);
+    for (uint32_t i = begin; i < end; i++) {
+        struct item *item = &job->builder->items[i];
+        item->id = i;
+        rb_scene_bounds(job->scene, i, item->box.low, item->box.high);
+    }
+}
+
+static void build_step(const struct job *job, uint32_t i)
+{
+    build_subtree(job->builder, &job->top->open[i]);
+}
+
+static void place_step(const struct job *job, uint32_t i)
+{
+    place_subtree(job->builder, &job->top->open[i], job->bvh->nodes);
+}
+
+static enum rb_status assemble(const struct job *job, int threads)
+{
+    struct top *top = job->top;
+    struct rb_bvh *bvh = job->bvh;
+    for_each(threads, top->open_count, build_step, job);
     bvh->node_count = top->node_count;
     for (uint32_t i = 0; i < top->open_count; i++) {
         top->open[i].place = bvh->node_count;
@@ -319,28 +364,21 @@ static enum rb_status assemble(const struct builder *builder, struct top *top, i
     if (!bvh->nodes)
         return RB_FAILED;
     memcpy(bvh->nodes, top->nodes, top->node_count * sizeof *bvh->nodes);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-    for (uint32_t i = 0; i < top->open_count; i++)
-        place_subtree(builder, &top->open[i], bvh->nodes);
+    for_each(threads, top->open_count, place_step, job);
     for (uint32_t i = 0; i < bvh->ref_count; i++)
-        bvh->refs[i] = builder->items[i].id;
+        bvh->refs[i] = job->builder->items[i].id;
     return RB_OK;
 }
 
-static enum rb_status build(const struct rb_scene *scene, int threads, struct builder *builder,
-                            struct top *top, struct rb_bvh *bvh)
+static enum rb_status build(const struct job *job, int threads)
 {
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (uint32_t i = 0; i < bvh->ref_count; i++) {
-        struct item *item = &builder->items[i];
-        item->id = i;
-        rb_scene_bounds(scene, i, item->box.low, item->box.high);
-    }
-    struct range root = range_of(builder, 0, bvh->ref_count, 0);
+    struct rb_bvh *bvh = job->bvh;
+    for_each(threads, (bvh->ref_count - 1) / BOUND_CHUNK + 1, bound_step, job);
+    struct range root = range_of(job->builder, 0, bvh->ref_count, 0);
     struct range halves[2] = {root, {.box = EMPTY}};
-    range_split(builder, &root, halves); // else one leaf and an empty child
-    build_top(builder, halves, top);
-    enum rb_status status = assemble(builder, top, threads, bvh);
+    range_split(job->builder, &root, halves); // else one leaf and an empty child
+    build_top(job->builder, halves, job->top);
+    enum rb_status status = assemble(job, threads);
     double area = (double)box_half_area(&root.box), cost = 0;
     for (uint32_t i = 0; status == RB_OK && i < bvh->node_count; i++)
         cost += node_cost(&bvh->nodes[i]);
@@ -362,7 +400,7 @@ enum rb_status rb_bvh_build(const struct rb_scene *scene, int threads, struct rb
     struct top *top = rb_alloc(1, sizeof *top);
     bvh->refs = rb_alloc(bvh->ref_count, sizeof *bvh->refs);
     if (builder.items && builder.nodes && top && bvh->refs)
-        status = build(scene, threads, &builder, top, bvh);
+        status = build(&(struct job){scene, &builder, top, bvh}, threads);
     if (status == RB_OK)
         bvh->bytes = bvh->node_count * sizeof *bvh->nodes + bvh->ref_count * sizeof *bvh->refs;
     else

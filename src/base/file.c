@@ -1,14 +1,17 @@
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 #include "base/file.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
+#include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 // What a signal handler has to remove; the flag is raised only while the name is complete.
-static char pending_path[1100];
+static char pending_path[RB_OUTPUT_PATH_MAX];
 static volatile sig_atomic_t pending;
 
 static enum rb_status fail(const struct rb_output *output, struct rb_error *error, const char *what)
@@ -20,30 +23,65 @@ static enum rb_status fail(const struct rb_output *output, struct rb_error *erro
     return rb_error_set(error, RB_FAILED, "cannot %s: %s", what, strerror(cause));
 }
 
+// The name in `output` becomes that of the file behind links. False if it does not fit.
+static bool resolve(struct rb_output *output)
+{
+    char *real = realpath(output->path, NULL);
+    bool fits = !real || strlen(real) < sizeof output->path;
+    if (real && fits)
+        memcpy(output->path, real, strlen(real) + 1);
+    free(real);
+    return fits;
+}
+
+// Opens a new file in the folder of the final one, with the mode of the file it will replace.
+static FILE *open_temporary(struct rb_output *output, const struct stat *replaced)
+{
+    const char *slash = strrchr(output->path, '/');
+    int folder_length = slash ? (int)(slash - output->path) + 1 : 0;
+    int length = snprintf(output->temporary, sizeof output->temporary, "%.*s.raybench-%ld.tmp",
+                          folder_length, output->path, (long)getpid());
+    if (length >= (int)sizeof output->temporary) {
+        errno = ENAMETOOLONG;
+        return NULL;
+    }
+    if (replaced && access(output->path, W_OK) != 0)
+        return NULL;
+    memcpy(pending_path, output->temporary, sizeof pending_path);
+    atomic_signal_fence(memory_order_seq_cst);
+    int descriptor = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor < 0)
+        return NULL;
+    pending = 1;
+    if (replaced)
+        fchmod(descriptor, replaced->st_mode & 0777);
+    FILE *stream = fdopen(descriptor, "wb");
+    if (!stream)
+        close(descriptor);
+    return stream;
+}
+
 enum rb_status rb_output_open(struct rb_output *output, const char *path, struct rb_error *error)
 {
     *output = (struct rb_output){0};
-    size_t length = (size_t)snprintf(output->path, sizeof output->path, "%s", path);
-    if (length >= sizeof output->path) {
-        errno = ENAMETOOLONG;
-        return fail(output, error, "open");
-    }
     struct stat info;
-    bool is_stdout = strcmp(path, "-") == 0;
-    output->in_place = is_stdout || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
-    if (output->in_place) {
-        output->stream = is_stdout ? stdout : fopen(path, "wb");
-    } else {
-        snprintf(output->temporary, sizeof output->temporary, "%s.%ld.tmp", path, (long)getpid());
-        memcpy(pending_path, output->temporary, sizeof pending_path);
-        pending = 1;
-        output->stream = fopen(output->temporary, "wb");
-    }
-    if (!output->stream) {
-        pending = 0;
+    bool is_stdout = strcmp(path, "-") == 0, exists = !is_stdout && stat(path, &info) == 0;
+    size_t length = (size_t)snprintf(output->path, sizeof output->path, "%s", path);
+    if (length >= sizeof output->path || (exists && !resolve(output))) {
+        errno = ENAMETOOLONG;
         return fail(output, error, "open for writing");
     }
-    return RB_OK;
+    output->in_place = is_stdout || (exists && !S_ISREG(info.st_mode));
+    if (output->in_place)
+        output->stream = is_stdout ? stdout : fopen(path, "wb");
+    else
+        output->stream = open_temporary(output, exists ? &info : NULL);
+    if (output->stream)
+        return RB_OK;
+    enum rb_status status = fail(output, error, "open for writing");
+    if (pending)
+        rb_output_discard(output);
+    return status;
 }
 
 enum rb_status rb_output_commit(struct rb_output *output, struct rb_error *error)

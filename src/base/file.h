@@ -1,6 +1,6 @@
 // Output files that are either whole or absent: written under a temporary name in the same folder
-// and renamed when complete. A path that is not a regular file ("-", /dev/stdout, a pipe) is
-// written in place.
+// and renamed when complete. A file that is replaced keeps its mode; a link keeps pointing at it. A
+// path that is not a regular file ("-", /dev/stdout, a pipe) is written in place.
 //
 // Not thread-safe: one output at a time. A file that is open when a signal handler calls
 // rb_output_discard_on_signal is removed.
@@ -12,11 +12,13 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+enum { RB_OUTPUT_PATH_MAX = 4096 };
+
 struct rb_output {
     FILE *stream; // write here
     bool in_place;
-    char path[1024];
-    char temporary[1100];
+    char path[RB_OUTPUT_PATH_MAX];
+    char temporary[RB_OUTPUT_PATH_MAX];
 };
 
 // Opens PATH for writing; "-" is standard output. Every outcome is reported through `error`, with

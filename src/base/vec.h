@@ -6,6 +6,9 @@
 #include <float.h>
 #include <math.h>
 
+#ifdef __FAST_MATH__
+#error "-ffast-math reorders operations: results would differ between variants"
+#endif
 _Static_assert(FLT_EVAL_METHOD == 0, "exactness needs float arithmetic in float precision");
 
 struct rb_vec {

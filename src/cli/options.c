@@ -34,8 +34,12 @@ const struct rb_option rb_options_settings[] = {
 const struct rb_option rb_options_variant[] = {
     {"--variant", "NAME", RB_OPTION_TEXT, offsetof(struct rb_arguments, variant), 0, 0,
      "row of `raybench list variants`; default: the fastest available"},
+    {.name = NULL},
+};
+
+const struct rb_option rb_options_threads[] = {
     {"--threads", "N", RB_OPTION_INT, SETTING(threads), 1, RB_THREADS_MAX,
-     "threads of a +omp row; default: all processors"},
+     "threads of a +omp row; default: as OpenMP has it, all processors"},
     {"--tile", "N", RB_OPTION_INT, SETTING(tile), RB_BLOCK, RB_TILE_MAX,
      "edge of a tile in pixels, a multiple of 16; default 64"},
     {.name = NULL},

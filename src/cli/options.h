@@ -58,7 +58,8 @@ struct rb_command {
 
 // Tables that several commands share.
 extern const struct rb_option rb_options_settings[]; // how to render
-extern const struct rb_option rb_options_variant[];  // --variant, --threads, --tile
+extern const struct rb_option rb_options_variant[];  // --variant
+extern const struct rb_option rb_options_threads[];  // --threads, --tile
 extern const struct rb_option rb_options_strict[];   // reading scenes
 
 // Parses the arguments behind the command's name. On RB_INVALID `error` says what is wrong.

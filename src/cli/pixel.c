@@ -1,9 +1,9 @@
 #include "cli/commands.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static int run(const struct rb_arguments *arguments);
 
@@ -21,7 +21,7 @@ const struct rb_command rb_command_pixel = {
     .positional_min = 3,
     .positional_max = 3,
     .groups = (const struct rb_option *const[]){rb_options_settings, rb_options_variant,
-                                                rb_options_strict, NULL},
+                                                rb_options_threads, rb_options_strict, NULL},
     .run = run,
 };
 
@@ -73,11 +73,9 @@ static void print_shadow(void *user, const struct rb_pixel_ray *ray,
 
 static bool parse_coordinate(const char *text, int limit, int *value)
 {
-    char *end;
-    errno = 0;
-    long parsed = strtol(text, &end, 10);
-    *value = (int)parsed;
-    return end != text && *end == '\0' && errno == 0 && parsed >= 0 && parsed < limit;
+    size_t digits = strspn(text, "0123456789");
+    *value = digits <= 9 ? atoi(text) : limit;
+    return digits > 0 && text[digits] == '\0' && *value < limit;
 }
 
 static int run(const struct rb_arguments *arguments)

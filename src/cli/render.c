@@ -1,3 +1,4 @@
+#include "base/file.h"
 #include "base/memory.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
@@ -34,7 +35,7 @@ const struct rb_command rb_command_render = {
     .positional_min = 1,
     .positional_max = 1,
     .groups = (const struct rb_option *const[]){options, rb_options_settings, rb_options_variant,
-                                                rb_options_strict, NULL},
+                                                rb_options_threads, rb_options_strict, NULL},
     .run = run,
 };
 
@@ -47,35 +48,17 @@ static void print_summary(const struct rb_renderer *renderer, const struct rb_ru
                 result->recorder.tally[RB_STAGE_TRACE_SHADOW][bounce].rays;
     double ms = (double)result->wall_ns * 1e-6;
     fprintf(stderr, "%d x %d in %.1f ms with %d thread%s: %" PRIu64 " rays, %.2f Mrays/s\n",
-            settings->width, settings->height, ms, rb_renderer_thread_count(renderer),
-            rb_renderer_thread_count(renderer) == 1 ? "" : "s", rays, (double)rays / ms * 1e-3);
+            settings->width, settings->height, ms, result->thread_count,
+            result->thread_count == 1 ? "" : "s", rays, (double)rays / ms * 1e-3);
 }
 
-static int write_image(const struct rb_renderer *renderer, const struct rb_image_format *format,
-                       const char *path)
+// Writes the image to `output` if there is a format, through `pixels`. False if the encoder has no
+// memory.
+static bool render(struct rb_renderer *renderer, const struct rb_arguments *arguments,
+                   const struct rb_image_format *format, struct rb_output *output, float *pixels,
+                   struct rb_run_result *result)
 {
     const struct rb_settings *settings = rb_renderer_settings(renderer);
-    struct rb_error error = {0};
-    float *pixels =
-        rb_alloc((size_t)settings->width * (size_t)settings->height, 3 * sizeof *pixels);
-    enum rb_status status = RB_FAILED;
-    if (pixels) {
-        rb_renderer_pixels(renderer, pixels);
-        status = rb_image_write(format, path, pixels, settings->width, settings->height, &error);
-    } else {
-        rb_error_memory(&error, "the image file");
-    }
-    rb_free(pixels);
-    return status ? rb_report(status, &error) : 0;
-}
-
-static int render(const struct rb_arguments *arguments, const struct rb_image_format *format)
-{
-    struct rb_scene scene;
-    struct rb_renderer *renderer;
-    int code = rb_open_renderer(arguments, &scene, &renderer);
-    if (code)
-        return code;
     struct rb_progress progress;
     rb_progress_start(&progress, arguments->quiet);
     struct rb_run_options how = {
@@ -83,18 +66,45 @@ static int render(const struct rb_arguments *arguments, const struct rb_image_fo
         .progress = rb_progress_update,
         .user = &progress,
     };
-    struct rb_run_result result;
-    rb_renderer_run(renderer, &how, &result);
+    rb_renderer_run(renderer, &how, result);
     rb_progress_end(&progress);
-    if (format)
-        code = write_image(renderer, format, arguments->output);
-    if (code == 0 && arguments->hash)
+    if (!format)
+        return true;
+    rb_renderer_pixels(renderer, pixels);
+    return rb_image_write(format, output->stream, pixels, settings->width, settings->height);
+}
+
+// Everything that can fail for want of memory or permission is tried before the long work.
+static int render_to_file(struct rb_renderer *renderer, const struct rb_arguments *arguments,
+                          const struct rb_image_format *format)
+{
+    const struct rb_settings *settings = rb_renderer_settings(renderer);
+    size_t pixel_count = (size_t)settings->width * (size_t)settings->height;
+    struct rb_run_result result;
+    struct rb_output output = {0};
+    struct rb_error error = {0};
+    enum rb_status status = RB_OK;
+    float *pixels = rb_alloc(format ? pixel_count : 0, 3 * sizeof *pixels);
+    if (!pixels)
+        status = rb_error_memory(&error, "the image file");
+    if (status == RB_OK && format)
+        status = rb_output_open(&output, arguments->output, &error);
+    if (status == RB_OK) {
+        if (!render(renderer, arguments, format, &output, pixels, &result))
+            status = rb_error_memory(&error, "the image file");
+        else if (format)
+            status = rb_output_commit(&output, &error);
+    }
+    if (status)
+        rb_output_discard(&output);
+    rb_free(pixels);
+    if (status)
+        return rb_report(status, &error);
+    if (arguments->hash)
         printf("image %016" PRIx64 " hits %016" PRIx64 "\n", result.image_hash, result.hits_hash);
-    if (code == 0 && !arguments->quiet)
+    if (!arguments->quiet)
         print_summary(renderer, &result);
-    rb_renderer_free(renderer);
-    rb_scene_free(&scene);
-    return code;
+    return 0;
 }
 
 static int run(const struct rb_arguments *arguments)
@@ -110,5 +120,13 @@ static int run(const struct rb_arguments *arguments)
         rb_error_set(&error, RB_INVALID, "-o - and --hash both want standard output");
         return rb_report(RB_INVALID, &error);
     }
-    return render(arguments, format);
+    struct rb_scene scene;
+    struct rb_renderer *renderer;
+    int code = rb_open_renderer(arguments, &scene, &renderer);
+    if (code)
+        return code;
+    code = render_to_file(renderer, arguments, format);
+    rb_renderer_free(renderer);
+    rb_scene_free(&scene);
+    return code;
 }

@@ -111,8 +111,7 @@ static inline struct rb_interval rb_box(const float low[3], const float high[3],
 // Sphere. The discriminant is r^2 - |l - (l.d) d|^2, the squared distance of the line from the
 // centre (Haines et al., Ray Tracing Gems 2019, chapter 7): the textbook form B^2 - |l|^2 + r^2
 // cancels and is wrong for 36 % of rays aimed at the small spheres of balls size 6. A ray that
-// starts on the sphere meets it again only at the far side, at 2 l.d, which needs no tolerance; for
-// a shadow ray its own sphere does not exist.
+// starts on the sphere meets it again only at the far side, at 2 l.d, which needs no tolerance.
 static inline bool rb_sphere_test(const struct rb_sphere *sphere, const struct rb_ray *ray,
                                   enum rb_sides sides, bool own, float *t)
 {
@@ -120,7 +119,7 @@ static inline bool rb_sphere_test(const struct rb_sphere *sphere, const struct r
     float b = rb_dot(l, ray->d);
     struct rb_vec apart = rb_vec_mad(l, -b, ray->d);
     float discriminant = sphere->radius * sphere->radius - rb_dot(apart, apart);
-    if (!(discriminant >= 0.0f) || (own && sides == RB_SIDES_BOTH))
+    if (!(discriminant >= 0.0f))
         return false;
     float root = sqrtf(discriminant);
     float near = b - root, far = own ? b + b : b + root;
@@ -133,9 +132,10 @@ static inline bool rb_sphere_test(const struct rb_sphere *sphere, const struct r
 
 // Error of the edge functions below, relative to |o - v0| times the longest edge: rays may pass an
 // edge by this much on the wrong side and still hit, so that none slips between two triangles that
-// share it. A bound summed over the roundings of the edge functions is 24 * 2^-24; see
-// tests/unit/watertight.c for the leak rates measured at fractions of it.
-#define RB_EDGE_TOLERANCE (24.0f * 0x1p-24f)
+// share it. The worst of 10^8 rays aimed at edges and vertices of five meshes, from near and far,
+// needed 5.1 * 2^-24 (tests/unit/watertight.c; at a quarter of what stands here 34 in a million
+// leak, without any 19 %). More than needed shows the wrong triangle at the rims of others.
+#define RB_EDGE_TOLERANCE (8.0f * 0x1p-24f)
 
 // Triangle: Moeller and Trumbore 1997, with the edge tolerance above. Barycentric coordinates are
 // clamped into the triangle, so that a point computed from them lies on it.
@@ -165,9 +165,9 @@ static inline bool rb_triangle_test(const struct rb_triangle *triangle, const st
 }
 
 // Cone frustum and cylinder, open at both ends: |p'|^2 = (r0 + slope z)^2 with p' the part of p
-// across the axis. The origin is first moved to where the ray passes the centre of the box, so that
-// the quadratic is solved with small numbers. For a ray that starts on the surface one root is 0 by
-// definition and only the other one counts, for shadow rays too: the inside of a tube is dark.
+// across the axis. The origin is first moved to where the ray passes the centre of a cylinder or
+// the small end of a cone, so that the quadratic is solved with small numbers. For a ray that
+// starts on the surface one root is 0 by definition and only the other one counts.
 static inline bool rb_cone_test(const struct rb_cone *cone, const struct rb_ray *ray,
                                 enum rb_sides sides, bool own, float *t)
 {
@@ -224,6 +224,13 @@ static inline bool rb_hit_clamp(struct rb_hit *hit, bool found, struct rb_interv
     return found && hit->t > 0.0f;
 }
 
+// Does a ray that starts on primitive `id` not see it at all? Planar ones cannot be met again;
+// shadow rays leave the question to rb_shadows_itself.
+static inline bool rb_self_excluded(const struct rb_ray *ray, uint32_t id, bool planar)
+{
+    return id == ray->self && (planar || ray->sides == RB_SIDES_BOTH);
+}
+
 // The three below test primitive `index` of its kind against its own box and then itself. On true
 // `hit` is complete and its t positive.
 static inline bool rb_sphere_hit(const struct rb_scene *scene, uint32_t index,
@@ -237,7 +244,8 @@ static inline bool rb_sphere_hit(const struct rb_scene *scene, uint32_t index,
         return false;
     *hit = (struct rb_hit){.prim = index};
     bool own = index == ray->self;
-    bool found = rb_sphere_test(sphere, ray, rb_sides_of(scene, ray, index), own, &hit->t);
+    bool found = !rb_self_excluded(ray, index, false) &&
+                 rb_sphere_test(sphere, ray, rb_sides_of(scene, ray, index), own, &hit->t);
     return rb_hit_clamp(hit, found, range);
 }
 
@@ -251,7 +259,7 @@ static inline bool rb_triangle_hit(const struct rb_scene *scene, uint32_t index,
     if (!(range.near <= range.far))
         return false;
     *hit = (struct rb_hit){.prim = scene->first[RB_TRIANGLE] + index};
-    bool found = hit->prim != ray->self &&
+    bool found = !rb_self_excluded(ray, hit->prim, true) &&
                  rb_triangle_test(triangle, ray, rb_sides_of(scene, ray, hit->prim), hit);
     return rb_hit_clamp(hit, found, range);
 }
@@ -265,7 +273,8 @@ static inline bool rb_cone_hit(const struct rb_scene *scene, uint32_t index,
         return false;
     *hit = (struct rb_hit){.prim = scene->first[RB_CONE] + index};
     bool own = hit->prim == ray->self;
-    bool found = rb_cone_test(cone, ray, rb_sides_of(scene, ray, hit->prim), own, &hit->t);
+    bool found = !rb_self_excluded(ray, hit->prim, false) &&
+                 rb_cone_test(cone, ray, rb_sides_of(scene, ray, hit->prim), own, &hit->t);
     return rb_hit_clamp(hit, found, range);
 }
 
@@ -293,7 +302,7 @@ static inline bool rb_plane_hit(const struct rb_scene *scene, uint32_t index,
                                 const struct rb_ray *ray, struct rb_hit *hit)
 {
     *hit = (struct rb_hit){.prim = scene->first[RB_PLANE] + index};
-    return hit->prim != ray->self &&
+    return !rb_self_excluded(ray, hit->prim, true) &&
            rb_plane_test(&scene->planes[index], ray, rb_sides_of(scene, ray, hit->prim), &hit->t);
 }
 

@@ -12,6 +12,7 @@
 
 #include "scene/scene.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -51,6 +52,7 @@ struct rb_surfaces {
     float *vx, *vy, *vz; // unit vector to the viewer
     float *weight;       // of the ray
     uint32_t *pixel, *path, *prim, *material;
+    uint8_t *inside; // 1 if the ray met the surface from behind
     uint32_t count, capacity;
 };
 
@@ -71,6 +73,7 @@ struct rb_shadows {
 struct rb_film {
     uint64_t *rgb; // 3 * width * height, two's complement, RB_FILM_ONE units each
     int width, height;
+    float limit; // largest contribution
 };
 
 // Affine camera: the direction through image position (x, y) is corner + x right + y down,
@@ -92,8 +95,8 @@ struct rb_span {
     uint32_t sample;
 };
 
-// The light at index `light` is sampled at sample `sample` of `samples`; `edge` is the length of
-// its square, 0 for a point.
+// Which shadow rays a light kernel makes: towards sample `sample` of light `light`, for AA sample
+// `pixel_sample`.
 struct rb_light_sample {
     uint32_t light, sample, pixel_sample;
 };
@@ -133,13 +136,14 @@ typedef void rb_surface_fn(const struct rb_world *world, const struct rb_shading
                            struct rb_surfaces *surfaces, struct rb_rays *reflected,
                            struct rb_rays *refracted, struct rb_film *film);
 
-// Appends one shadow ray for every surface point that faces this light sample.
+// Appends one shadow ray for every surface point that faces this light sample and is not in the
+// shadow of its own primitive.
 typedef void rb_light_fn(const struct rb_world *world, const struct rb_shading *shading,
                          const struct rb_surfaces *surfaces, const struct rb_light_sample *sample,
                          struct rb_shadows *shadows);
 
-// Decides `occluded` for every shadow ray. A ray with a component that is not finite is not
-// occluded.
+// Decides `occluded` for every shadow ray; its own primitive does not exist for it. A ray with a
+// component that is not finite is not occluded.
 typedef void rb_trace_shadow_fn(const struct rb_world *world, struct rb_shadows *shadows);
 
 struct rb_kernels {
@@ -154,29 +158,29 @@ struct rb_kernels {
 extern const struct rb_kernels rb_kernels_naive;
 extern const struct rb_kernels rb_kernels_bvh;
 
-// The scalar bodies that sets without a better one share (scalar_shade.c).
+// The scalar bodies that sets without a better one share (scalar.c).
 rb_generate_fn rb_scalar_generate;
 rb_surface_fn rb_scalar_surface;
 rb_light_fn rb_scalar_light;
 
-// Fixed point: 2^32 units are 1.0. A contribution is cut off at 2^20, so that 2048 contributions of
-// that size fit a sum; the resolution of 2.3e-10 is a 17 millionth of one step of an 8-bit image.
-#define RB_FILM_ONE 0x1p32f
-#define RB_FILM_MAX 0x1p20f
+// Fixed point: 2^32 units are 1.0, so sums hold values up to 2^31 with a resolution of 2.3e-10, a
+// 17 millionth of one step of an 8-bit image. A contribution is cut off at 2^25 over the number of
+// AA samples: 64 that large fit in every sample of a pixel. NaN counts as nothing.
+#define RB_FILM_ONE   0x1p32f
+#define RB_FILM_RANGE 0x1p25f
 
-static inline uint64_t rb_film_fixed(float value)
+static inline uint64_t rb_film_fixed(float value, float limit)
 {
-    float limited = value < RB_FILM_MAX ? value : RB_FILM_MAX;
-    limited = limited > -RB_FILM_MAX ? limited : -RB_FILM_MAX;
-    return (uint64_t)(int64_t)(limited * RB_FILM_ONE);
+    float limited = fabsf(value) <= limit ? value : copysignf(limit, value);
+    return value == value ? (uint64_t)(int64_t)(limited * RB_FILM_ONE) : 0;
 }
 
 static inline void rb_film_add(struct rb_film *film, uint32_t pixel, float r, float g, float b)
 {
     uint64_t *sum = film->rgb + (size_t)pixel * 3;
-    sum[0] += rb_film_fixed(r);
-    sum[1] += rb_film_fixed(g);
-    sum[2] += rb_film_fixed(b);
+    sum[0] += rb_film_fixed(r, film->limit);
+    sum[1] += rb_film_fixed(g, film->limit);
+    sum[2] += rb_film_fixed(b, film->limit);
 }
 
 #endif

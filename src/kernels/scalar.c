@@ -58,14 +58,18 @@ static struct surface surface_of_hit(const struct rb_scene *scene, const struct 
     struct rb_hit hit = {hits->t[i], hits->u[i], hits->v[i], hits->prim[i]};
     struct rb_point point = rb_point_of_hit(scene, o, d, &hit);
     struct rb_vec side = rb_turned(point.geometric, d);
+    const struct rb_material *material = &scene->materials[scene->material_of[hit.prim]];
+    bool entering = rb_dot(d, point.geometric) < 0.0f;
+    float near_offset = point.curved && !entering ? 0.0f : point.offset;
+    float far_offset = point.curved ? 0.0f : point.offset;
     return (struct surface){
-        .material = &scene->materials[scene->material_of[hit.prim]],
+        .material = material,
         .d = d,
         .n = rb_turned(point.shading, d),
-        .near = rb_vec_mad(point.p, point.offset, side),
-        .far = rb_vec_mad(point.p, -point.offset, side),
+        .near = rb_vec_mad(point.p, near_offset, side),
+        .far = rb_vec_mad(point.p, -far_offset, side),
         .prim = hit.prim,
-        .entering = rb_dot(d, point.geometric) < 0.0f,
+        .entering = entering,
     };
 }
 
@@ -81,6 +85,7 @@ static void append_surface(struct rb_surfaces *out, const struct surface *surfac
     out->path[i] = rays->path[ray];
     out->prim[i] = surface->prim;
     out->material[i] = scene->material_of[surface->prim];
+    out->inside[i] = !surface->entering;
 }
 
 // Path index of a child: 2p for the reflected, 2p + 1 for the refracted ray.
@@ -156,6 +161,8 @@ static void light_surface(const struct rb_scene *scene, const struct rb_shading 
     struct rb_vec l = rb_vec_scale(to_light, 1.0f / distance);
     float cosine = rb_dot(n, l);
     if (!(cosine > 0.0f))
+        return;
+    if (surfaces->inside[i] && rb_shadows_itself(scene, surfaces->prim[i], p, l, distance))
         return;
     float share = shading->light_scale / (float)shading->light_samples * surfaces->weight[i];
     float diffuse = material->kd * cosine * share;

@@ -12,7 +12,6 @@ void rb_recorder_add(struct rb_recorder *recorder, const struct rb_recorder *oth
         for (int stage = 0; stage < RB_STAGE_COUNT; stage++) {
             recorder->tally[stage][bounce].ticks += other->tally[stage][bounce].ticks;
             recorder->tally[stage][bounce].rays += other->tally[stage][bounce].rays;
-            recorder->tally[stage][bounce].calls += other->tally[stage][bounce].calls;
         }
         recorder->reflected[bounce] += other->reflected[bounce];
         recorder->refracted[bounce] += other->refracted[bounce];

@@ -26,7 +26,7 @@ extern const char *const rb_stage_names[RB_STAGE_COUNT];
 
 // One kernel at one bounce. `rays` are the queue entries the kernel worked on, misses included.
 struct rb_tally {
-    uint64_t ticks, rays, calls;
+    uint64_t ticks, rays;
 };
 
 // Of one thread. Zero-initialise, then rb_probe_start.
@@ -50,7 +50,6 @@ static inline void rb_probe_lap(struct rb_recorder *recorder, enum rb_stage stag
     struct rb_tally *tally = &recorder->tally[stage][bounce];
     tally->ticks += now - recorder->last;
     tally->rays += rays;
-    tally->calls++;
     recorder->laps++;
     recorder->last = now;
 }

@@ -26,6 +26,7 @@ struct rb_frame {
     void (*progress)(void *user, uint32_t done, uint32_t total);
     void *user;
     atomic_uint next_tile, tiles_done;
+    int thread_count; // that took part
 };
 
 struct rb_worker {

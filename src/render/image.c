@@ -1,8 +1,5 @@
 #include "render/image.h"
 
-#include "base/file.h"
-#include "base/memory.h"
-
 #include <string.h>
 
 #if RB_PNG
@@ -11,8 +8,7 @@
 
 struct rb_image_format {
     const char *ending;
-    // Writes the whole image; false without memory. Write errors show in the stream.
-    bool (*write)(FILE *stream, const float *pixels, int width, int height);
+    bool (*write)(FILE *stream, float *pixels, int width, int height);
 };
 
 static unsigned char quantize(float value)
@@ -23,28 +19,28 @@ static unsigned char quantize(float value)
     return scaled >= 255.0f ? 255 : (unsigned char)scaled;
 }
 
-static unsigned char *quantize_all(const float *pixels, int width, int height)
+// In place: a byte never overtakes the float it is made from.
+static unsigned char *quantize_all(float *pixels, int width, int height)
 {
     size_t count = 3 * (size_t)width * (size_t)height;
-    unsigned char *bytes = rb_alloc(count, 1);
-    for (size_t i = 0; bytes && i < count; i++)
-        bytes[i] = quantize(pixels[i]);
+    unsigned char *bytes = (unsigned char *)pixels;
+    for (size_t i = 0; i < count; i++) {
+        unsigned char byte = quantize(pixels[i]);
+        memcpy(bytes + i, &byte, 1);
+    }
     return bytes;
 }
 
-static bool write_ppm(FILE *stream, const float *pixels, int width, int height)
+static bool write_ppm(FILE *stream, float *pixels, int width, int height)
 {
     unsigned char *bytes = quantize_all(pixels, width, height);
-    if (!bytes)
-        return false;
     fprintf(stream, "P6\n%d %d\n255\n", width, height);
     fwrite(bytes, 3 * (size_t)width, (size_t)height, stream);
-    rb_free(bytes);
     return true;
 }
 
 // Rows from the bottom; the sign of the scale tells the byte order, negative is little-endian.
-static bool write_pfm(FILE *stream, const float *pixels, int width, int height)
+static bool write_pfm(FILE *stream, float *pixels, int width, int height)
 {
     const union {
         unsigned short word;
@@ -57,20 +53,16 @@ static bool write_pfm(FILE *stream, const float *pixels, int width, int height)
 }
 
 #if RB_PNG
-static bool write_png(FILE *stream, const float *pixels, int width, int height)
+static bool write_png(FILE *stream, float *pixels, int width, int height)
 {
-    unsigned char *bytes = quantize_all(pixels, width, height);
-    if (!bytes)
-        return false;
     png_image image = {
         .version = PNG_IMAGE_VERSION,
         .width = (png_uint_32)width,
         .height = (png_uint_32)height,
         .format = PNG_FORMAT_RGB,
     };
-    bool written = png_image_write_to_stdio(&image, stream, 0, bytes, 0, NULL);
-    rb_free(bytes);
-    return written || ferror(stream); // a failed write is reported with its errno
+    return png_image_write_to_stdio(&image, stream, 0, quantize_all(pixels, width, height), 0,
+                                    NULL);
 }
 #endif
 
@@ -105,16 +97,8 @@ const struct rb_image_format *rb_image_format_of(const char *path, struct rb_err
     return NULL;
 }
 
-enum rb_status rb_image_write(const struct rb_image_format *format, const char *path,
-                              const float *pixels, int width, int height, struct rb_error *error)
+bool rb_image_write(const struct rb_image_format *format, FILE *stream, float *pixels, int width,
+                    int height)
 {
-    struct rb_output output;
-    enum rb_status status = rb_output_open(&output, path, error);
-    if (status)
-        return status;
-    if (!format->write(output.stream, pixels, width, height)) {
-        rb_output_discard(&output);
-        return rb_error_memory(error, "the image file");
-    }
-    return rb_output_commit(&output, error);
+    return format->write(stream, pixels, width, height) || ferror(stream);
 }

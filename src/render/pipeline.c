@@ -81,9 +81,10 @@ static void trace_batch(struct rb_worker *worker, int bounce, uint32_t first, ui
 
     frame->kernels->trace(&frame->world, &rays, &queues->hits);
     rb_probe_lap(recorder, RB_STAGE_TRACE, bounce, count);
-    if (frame->hash_hits)
+    if (frame->hash_hits) {
         worker->hits_hash += hash_hits(&rays, &queues->hits, worker->sample);
-    rb_probe_lap(recorder, RB_STAGE_OTHER, bounce, 0);
+        rb_probe_start(recorder); // hashing is no part of a frame
+    }
 
     queues->surfaces.count = 0;
     frame->kernels->surface(&frame->world, &frame->shading, &rays, &queues->hits, &queues->surfaces,

@@ -58,7 +58,7 @@ static size_t place_surfaces(char *memory, struct rb_surfaces *s, uint32_t capac
     const struct member members[] = {
         MEMBER(s->px),   MEMBER(s->py),   MEMBER(s->pz),       MEMBER(s->nx),    MEMBER(s->ny),
         MEMBER(s->nz),   MEMBER(s->vx),   MEMBER(s->vy),       MEMBER(s->vz),    MEMBER(s->weight),
-        MEMBER(s->path), MEMBER(s->prim), MEMBER(s->material), MEMBER(s->pixel),
+        MEMBER(s->path), MEMBER(s->prim), MEMBER(s->material), MEMBER(s->pixel), MEMBER(s->inside),
     };
     s->capacity = capacity;
     return place(memory, members, sizeof members / sizeof *members, capacity);

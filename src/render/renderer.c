@@ -9,9 +9,14 @@
 
 #include <string.h>
 
+// No more workers than tiles.
 static int worker_count(const struct rb_renderer *renderer)
 {
-    return rb_variant_parallel(renderer->variant) ? renderer->frame.settings.threads : 1;
+    uint32_t tiles = rb_renderer_tile_count(renderer);
+    int threads = renderer->frame.settings.threads;
+    if (!rb_variant_parallel(renderer->variant))
+        return 1;
+    return tiles < (uint32_t)threads ? (int)tiles : threads;
 }
 
 static enum rb_status build_accelerator(struct rb_renderer *renderer, struct rb_error *error)
@@ -59,6 +64,7 @@ static enum rb_status prepare(struct rb_renderer *renderer, struct rb_error *err
     frame->shading = rb_shading_make(scene, &frame->settings);
     frame->film.width = frame->settings.width;
     frame->film.height = frame->settings.height;
+    frame->film.limit = RB_FILM_RANGE / (float)(frame->view.aa * frame->view.aa);
     frame->tiles_x = (frame->film.width - 1) / frame->settings.tile + 1;
     frame->tiles_y = (frame->film.height - 1) / frame->settings.tile + 1;
     status = allocate(renderer, error);
@@ -148,7 +154,10 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     rb_fpenv_enter(&saved);
     uint64_t start_ns = rb_clock_ns();
     renderer->variant->schedule(frame, renderer->workers, count);
-    *result = (struct rb_run_result){.wall_ns = rb_clock_ns() - start_ns};
+    *result = (struct rb_run_result){
+        .wall_ns = rb_clock_ns() - start_ns,
+        .thread_count = frame->thread_count,
+    };
     for (int i = 0; i < count; i++) {
         rb_recorder_add(&result->recorder, &renderer->workers[i].recorder);
         result->hits_hash += renderer->workers[i].hits_hash;
@@ -178,17 +187,7 @@ uint32_t rb_renderer_tile_count(const struct rb_renderer *renderer)
     return (uint32_t)renderer->frame.tiles_x * (uint32_t)renderer->frame.tiles_y;
 }
 
-int rb_renderer_thread_count(const struct rb_renderer *renderer)
-{
-    return worker_count(renderer);
-}
-
 uint64_t rb_renderer_build_ns(const struct rb_renderer *renderer)
 {
     return renderer->build_ns;
-}
-
-size_t rb_renderer_accel_bytes(const struct rb_renderer *renderer)
-{
-    return renderer->bvh.bytes;
 }

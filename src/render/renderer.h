@@ -36,6 +36,7 @@ struct rb_run_options {
 
 struct rb_run_result {
     uint64_t wall_ns;
+    int thread_count;            // that took part
     struct rb_recorder recorder; // sum over the threads
     uint64_t hits_hash;          // of (sample, pixel, path, primitive, t, u, v) of every ray
     uint64_t image_hash;         // of the linear pixels of the tiles rendered
@@ -51,9 +52,7 @@ void rb_renderer_pixels(const struct rb_renderer *renderer, float *pixels);
 // The settings with all defaults filled in.
 const struct rb_settings *rb_renderer_settings(const struct rb_renderer *renderer);
 uint32_t rb_renderer_tile_count(const struct rb_renderer *renderer);
-int rb_renderer_thread_count(const struct rb_renderer *renderer);
 uint64_t rb_renderer_build_ns(const struct rb_renderer *renderer);
-size_t rb_renderer_accel_bytes(const struct rb_renderer *renderer);
 
 // One pixel, step by step, through the kernels of the row, as an observer wants to see it.
 struct rb_pixel_ray {

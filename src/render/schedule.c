@@ -10,19 +10,34 @@
 
 void rb_schedule_serial(struct rb_frame *frame, struct rb_worker *workers, int count)
 {
-    (void)frame;
     (void)count;
+    frame->thread_count = 1;
     rb_worker_run(&workers[0]);
 }
 
 #ifdef _OPENMP
+int rb_threads_default(void)
+{
+    int threads = omp_get_max_threads(), limit = omp_get_thread_limit();
+    threads = threads < limit ? threads : limit;
+    return threads < RB_THREADS_MAX ? threads : RB_THREADS_MAX;
+}
+
 void rb_schedule_openmp(struct rb_frame *frame, struct rb_worker *workers, int count)
 {
-    (void)frame;
 #pragma omp parallel num_threads(count)
-    rb_worker_run(&workers[omp_get_thread_num()]);
+    {
+        if (omp_get_thread_num() == 0)
+            frame->thread_count = omp_get_num_threads(); // OpenMP may give fewer
+        rb_worker_run(&workers[omp_get_thread_num()]);
+    }
 }
 #else
+int rb_threads_default(void)
+{
+    return 1;
+}
+
 void rb_schedule_openmp(struct rb_frame *frame, struct rb_worker *workers, int count)
 {
     rb_schedule_serial(frame, workers, count);

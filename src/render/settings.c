@@ -1,8 +1,8 @@
-#define _POSIX_C_SOURCE 200809L
 #include "render/settings.h"
 
+#include "render/variants.h"
+
 #include <math.h>
-#include <unistd.h>
 
 static enum rb_status check_range(const char *name, int value, int low, int high,
                                   struct rb_error *error)
@@ -28,7 +28,6 @@ static void set_default(int *value, int fallback)
 enum rb_status rb_settings_complete(struct rb_settings *s, const struct rb_scene *scene,
                                     struct rb_error *error)
 {
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
     // SPD traces the corners of the pixels: one more than pixels.
     set_default(&s->width, scene->camera.width + s->spd);
     set_default(&s->height, scene->camera.height + s->spd);
@@ -36,15 +35,15 @@ enum rb_status rb_settings_complete(struct rb_settings *s, const struct rb_scene
     set_default(&s->aa, 1);
     set_default(&s->light_samples, 1);
     set_default(&s->tile, RB_TILE_DEFAULT);
-    set_default(&s->threads, processors > 0 && processors < RB_THREADS_MAX ? (int)processors : 1);
+    set_default(&s->threads, rb_threads_default());
     if (s->light_scale == 0)
         s->light_scale = scene->light_count ? 1.0 / sqrt(scene->light_count) : 1.0;
     const struct {
         const char *name;
         int value, low, high;
     } ranges[] = {
-        {"the width", s->width, 1, RB_SIZE_MAX},
-        {"the height", s->height, 1, RB_SIZE_MAX},
+        {"the width", s->width, 1 + s->spd, RB_SIZE_MAX + s->spd},
+        {"the height", s->height, 1 + s->spd, RB_SIZE_MAX + s->spd},
         {"the depth", s->depth, 1, RB_DEPTH_MAX},
         {"aa", s->aa, 1, RB_AA_MAX},
         {"the number of light samples", s->light_samples, 1, RB_LIGHT_SAMPLES_MAX},
@@ -80,8 +79,12 @@ static void cross(const double a[3], const double b[3], double c[3])
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+// Scaled by the largest component first, so that nothing underflows.
 static void normalize(double a[3])
 {
+    double largest = fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
+    for (int k = 0; k < 3; k++)
+        a[k] /= largest;
     double length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
     for (int k = 0; k < 3; k++)
         a[k] /= length;

@@ -20,7 +20,7 @@ struct rb_settings {
     bool spd;           // SPD's test rules: rays at pixel corners, one-sided opaque surfaces
     uint64_t seed;      // of all random numbers; default 0
     int tile;           // edge in pixels, a multiple of 16 up to 256; default 64
-    int threads;        // default: all processors. Serial rows use one.
+    int threads;        // default: as many as OpenMP would use. Serial rows use one.
 };
 
 enum { RB_TILE_DEFAULT = 64, RB_TILE_MAX = 256, RB_DEPTH_DEFAULT = 5, RB_AA_MAX = 64 };

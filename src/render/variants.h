@@ -39,4 +39,7 @@ bool rb_variant_available(const struct rb_variant *variant);
 bool rb_variant_parallel(const struct rb_variant *variant);
 const struct rb_variant *rb_variant_fastest(void);
 
+// Threads a parallel row uses when nobody says: as OMP_NUM_THREADS, affinity and limits have it.
+int rb_threads_default(void);
+
 #endif

@@ -273,6 +273,9 @@ enum rb_status rb_scene_add_triangle(struct rb_scene_builder *builder, const dou
 // reaches r sqrt(1 - w_i^2) along axis i; the root of the other two squares does not cancel. The
 // stored axis is off by up to 2^-24 in each component and a kernel's evaluation by a few times
 // that, all relative to the size of the cone: 2^-20 of it is put around.
+//
+// The solver's centre is the small end of a cone, not the middle: near the tip |p'|^2 - r^2
+// cancels, and measured from the middle tips came out 1092 ulps off.
 static void cone_bounds(struct rb_cone *cone)
 {
     double height = (double)cone->height, base_radius = (double)cone->base_radius;
@@ -285,7 +288,8 @@ static void cone_bounds(struct rb_cone *cone)
         double high = fmax(base + base_radius * across, apex + apex_radius * across) + margin;
         cone->low[i] = nextafterf(rounded(low), -INFINITY);
         cone->high[i] = nextafterf(rounded(high), INFINITY);
-        cone->center[i] = rounded(0.5 * (low + high));
+        double small_end = cone->slope < 0.0f ? apex : base;
+        cone->center[i] = rounded(cone->slope == 0.0f ? 0.5 * (low + high) : small_end);
     }
 }
 

@@ -59,7 +59,7 @@ struct rb_cone {
     float slope;                // d radius / d height
     float inside;               // 1: visible from inside only (both radii were negative); else 0
     float low[3], high[3];      // bounding box
-    float center[3];            // of the box; the solver measures distances from near here
+    float center[3];            // of the box, or the small end; the solver measures from near here
 };
 
 struct rb_plane {

@@ -13,7 +13,7 @@ check 'the CSV begins with its key columns' [ "$(head -1 "$csv" | cut -d, -f1-11
 check 'every line has all columns' \
     [ "$(tr -d '\r' <"$csv" | awk -F, '{print NF}' | sort -u | wc -l)" = 1 ]
 check 'all kernels, the build and the frame' [ "$(sed 1d "$csv" | cut -d, -f10 | sort -u |
-    tr '\n' ' ')" = 'build frame generate shade trace trace_shadow ' ]
+    tr '\n' ' ')" = 'build frame generate other resolve shade trace trace_shadow ' ]
 check 'camera rays are pixels' grep -q '^"balls_low",48,48,5,1,1,64,bvh,1,generate,0,2304,' "$csv"
 check 'no zero stands for a time' [ "$(awk -F, '$13 == "0"' "$csv" | wc -l)" = 0 ]
 check 'a bad scene is reported' complains 2 'cannot open' bench "$tmp/none.nff" --out "$tmp/results"

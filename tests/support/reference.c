@@ -167,10 +167,10 @@ static int triangle_crossings(const struct rb_scene *scene, uint32_t prim,
     if (!(t > 0.0))
         return 0;
     for (int i = 0; i < 3; i++)
-        clearance = fmin(clearance, line_segment_distance(ray->o, ray->d, c.v[i],
-                                                          c.v[(i + 1) % 3]));
-    hits[0] = (struct ref_hit){t, {c.normal[0], c.normal[1], c.normal[2]},
-                               fabs(facing) / length, clearance, prim};
+        clearance =
+            fmin(clearance, line_segment_distance(ray->o, ray->d, c.v[i], c.v[(i + 1) % 3]));
+    hits[0] = (struct ref_hit){
+        t, {c.normal[0], c.normal[1], c.normal[2]}, fabs(facing) / length, clearance, prim};
     return 1;
 }
 
@@ -179,8 +179,6 @@ static int sphere_crossings(const struct rb_scene *scene, uint32_t prim, const s
                             struct ref_hit hits[2])
 {
     const struct rb_sphere *sphere = &scene->spheres[prim];
-    if (prim == ray->self && ray->shadow)
-        return 0;
     double c[3], l[3], apart[3], radius = fabs((double)sphere->radius);
     widen(sphere->center, c);
     subtract(c, ray->o, l);
@@ -294,8 +292,11 @@ static int plane_crossings(const struct rb_scene *scene, uint32_t prim, const st
     double t = ((double)plane->distance - ref_dot(n, ray->o)) / facing;
     if (prim == ray->self || !(t > 0.0 && t < HUGE_VAL))
         return 0;
-    hits[0] = (struct ref_hit){t, {n[0] / length, n[1] / length, n[2] / length},
-                               fabs(facing) / length / ref_length(ray->d), HUGE_VAL, prim};
+    hits[0] = (struct ref_hit){t,
+                               {n[0] / length, n[1] / length, n[2] / length},
+                               fabs(facing) / length / ref_length(ray->d),
+                               HUGE_VAL,
+                               prim};
     return 1;
 }
 
@@ -306,9 +307,9 @@ static bool visible(const struct rb_scene *scene, const struct ref_ray *ray,
 {
     enum rb_kind kind = rb_scene_kind(scene, hit->prim);
     bool from_inside = ref_dot(hit->normal, ray->d) > 0.0;
-    bool inside_only = (kind == RB_SPHERE && scene->spheres[hit->prim].radius < 0.0f) ||
-                       (kind == RB_CONE &&
-                        scene->cones[hit->prim - scene->first[RB_CONE]].inside > 0.0f);
+    bool inside_only =
+        (kind == RB_SPHERE && scene->spheres[hit->prim].radius < 0.0f) ||
+        (kind == RB_CONE && scene->cones[hit->prim - scene->first[RB_CONE]].inside > 0.0f);
     if (ray->shadow)
         return true;
     if (inside_only)
@@ -322,6 +323,8 @@ int ref_crossings(const struct rb_scene *scene, uint32_t prim, const struct ref_
 {
     struct ref_hit all[2];
     int found = 0, kept = 0;
+    if (prim == ray->self && ray->shadow)
+        return 0;
     switch (rb_scene_kind(scene, prim)) {
     case RB_SPHERE:
         found = sphere_crossings(scene, prim, ray, all);
@@ -449,6 +452,19 @@ bool ref_occluded(const struct ref_world *world, const struct ref_ray *ray, doub
     return false;
 }
 
+bool ref_shadows_itself(const struct rb_scene *scene, const struct ref_ray *ray, double distance)
+{
+    struct ref_hit hits[2];
+    int count = 0;
+    if (scene->materials[scene->material_of[ray->self]].t > 0.0f)
+        return false;
+    if (rb_scene_kind(scene, ray->self) == RB_SPHERE)
+        count = sphere_crossings(scene, ray->self, ray, hits);
+    if (rb_scene_kind(scene, ray->self) == RB_CONE)
+        count = cone_crossings(scene, ray->self, ray, hits);
+    return count > 0 && hits[0].t < distance;
+}
+
 double ref_depth_before(const struct rb_scene *scene, const struct ref_ray *ray, double distance)
 {
     double deepest = 0.0, length = ref_length(ray->d);
@@ -516,12 +532,12 @@ static double distance_at(const struct rb_scene *scene, uint32_t prim, const str
     return ref_distance(scene, prim, p);
 }
 
-// The smallest distance of a primitive from the piece low <= t <= high of a ray: steps, then ternary
-// search around the best of them.
-static double piece_distance(const struct rb_scene *scene, uint32_t prim,
-                             const struct ref_ray *ray, double low, double high)
+// The smallest distance of a primitive from the piece low <= t <= high of a ray: steps, then
+// ternary search around the best of them.
+static double piece_distance(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray,
+                             double low, double high)
 {
-    enum { STEPS = 256 };
+    enum { STEPS = 64 };
     double nearest = HUGE_VAL, best = low, step = (high - low) / STEPS;
     for (int i = 0; i <= STEPS; i++) {
         double here = distance_at(scene, prim, ray, low + i * step);
@@ -529,7 +545,7 @@ static double piece_distance(const struct rb_scene *scene, uint32_t prim,
             nearest = here, best = low + i * step;
     }
     low = fmax(low, best - step), high = fmin(high, best + step);
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 60; i++) {
         double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
         if (distance_at(scene, prim, ray, a) < distance_at(scene, prim, ray, b))
             high = b;
@@ -571,7 +587,8 @@ static bool smooth_normal(const struct rb_scene *scene, uint32_t prim, const str
     uint32_t index = prim - scene->first[RB_TRIANGLE];
     if (!scene->triangle_smooth || scene->triangle_smooth[index] == RB_NONE)
         return false;
-    const float(*normals)[3] = (const float(*)[3])scene->smooth_normals[scene->triangle_smooth[index]];
+    const float(*normals)[3] =
+        (const float(*)[3])scene->smooth_normals[scene->triangle_smooth[index]];
     memset(normal, 0, 3 * sizeof *normal);
     for (int i = 0; i < 3; i++) {
         double a[3], b[3], area[3], n[3];

@@ -1,10 +1,10 @@
 // The independent reference: hits, occlusion and normals in double precision from the textbook, for
 // tests only. It reads the scene's arrays and shares no code with the kernels.
 //
-// Beside the exact answer it says how wrong another answer is, as a distance in the scene: how far a
-// claimed hit point lies off the surface, or how deep a ray would have had to be moved to miss what
-// it hits. Single precision displaces a ray by some ulps of the coordinates; a kernel whose answer
-// needs a larger displacement is wrong, however rarely. All lengths are world units.
+// Beside the exact answer it says how wrong another answer is, as a distance in the scene: how far
+// a claimed hit point lies off the surface, or how deep a ray would have had to be moved to miss
+// what it hits. Single precision displaces a ray by some ulps of the coordinates; a kernel whose
+// answer needs a larger displacement is wrong, however rarely. All lengths are world units.
 #ifndef TESTS_SUPPORT_REFERENCE_H
 #define TESTS_SUPPORT_REFERENCE_H
 
@@ -17,7 +17,7 @@
 struct ref_ray {
     double o[3], d[3];
     uint32_t self;  // primitive it starts on, or RB_NONE
-    bool shadow;    // sides do not matter, and the own sphere does not exist
+    bool shadow;    // sides do not matter, and the primitive it starts on does not exist
     bool one_sided; // opaque surfaces are hit from their front only
 };
 
@@ -56,6 +56,10 @@ struct ref_hit ref_closest(const struct ref_world *world, const struct ref_ray *
 // Is anything crossed at 0 < t < distance?
 bool ref_occluded(const struct ref_world *world, const struct ref_ray *ray, double distance);
 
+// Does the curved opaque primitive that the ray starts on stand in its own light? One of its
+// crossings is the start; is the other one at 0 < t < distance? By the norm glass never does.
+bool ref_shadows_itself(const struct rb_scene *scene, const struct ref_ray *ray, double distance);
+
 // How deep the ray crosses something it should not cross if nothing lies before `distance`: the
 // largest over all crossings of the smallest displacement that would undo it. 0 if there is none.
 double ref_depth_before(const struct rb_scene *scene, const struct ref_ray *ray, double distance);
@@ -63,9 +67,10 @@ double ref_depth_before(const struct rb_scene *scene, const struct ref_ray *ray,
 // Distance of point `p` from the surface of a primitive.
 double ref_distance(const struct rb_scene *scene, uint32_t prim, const double p[3]);
 
-// How far ray and surface would have to be moved for a hit on `prim` at `t` to be exact: the distance
-// of the point from the surface; of a triangle, the distance of the point from its plane or of the
-// line from its inside, whichever is larger (so a triangle seen edge-on may be hit anywhere).
+// How far ray and surface would have to be moved for a hit on `prim` at `t` to be exact: the
+// distance of the point from the surface; of a triangle, the distance of the point from its plane
+// or of the line from its inside, whichever is larger (so a triangle seen edge-on may be hit
+// anywhere).
 double ref_off(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray, double t);
 
 // Smallest distance between any primitive (but the ray's own) and the piece 0 <= t <= distance of
