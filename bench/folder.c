@@ -54,7 +54,7 @@ enum rb_status rb_folder_make(const char *parent, char path[RB_PATH_MAX], struct
     gethostname(host, sizeof host - 1);
     host[strcspn(host, "/")] = '\0';
     for (int attempt = 0; attempt < 100; attempt++) { // two runs within a second
-        char suffix[8] = "";
+        char suffix[16] = "";
         if (attempt)
             snprintf(suffix, sizeof suffix, ".%d", attempt);
         int length = snprintf(path, RB_PATH_MAX, "%s/%s-%s-%s%s", parent, when, revision,

@@ -40,14 +40,6 @@ static void invalidate(struct rb_scene_bench *bench, struct rb_row *row)
     bench->mismatch = true;
 }
 
-// Renders the groups of the sample into the row's samples.
-static void run_groups(struct rb_scene_bench *bench, struct rb_row *row)
-{
-    row->sample_count = 0;
-    for (uint32_t g = 0; g < bench->tiles.group_count; g++)
-        rb_tiles_run(&bench->tiles, g, row->renderer, &row->samples[row->sample_count++]);
-}
-
 static enum rb_status open_row(struct rb_scene_bench *bench, struct rb_row *row, int tile,
                                struct rb_error *error)
 {
@@ -57,41 +49,50 @@ static enum rb_status open_row(struct rb_scene_bench *bench, struct rb_row *row,
     return rb_renderer_create(bench->scene, row->variant, &settings, &row->renderer, error);
 }
 
-// Every row renders the sample. Slow rows keep these renders as their samples; the others make
-// place for whole frames.
-static enum rb_status verify(struct rb_scene_bench *bench, double budget_s, struct rb_error *error)
+// Every row renders the sample, group by group in turn.
+static void run_groups(struct rb_scene_bench *bench)
 {
-    struct rb_row *reference = &bench->rows[0];
-    for (int i = 0; i < bench->row_count; i++) {
-        struct rb_row *row = &bench->rows[i];
-        if (row->state == RB_ROW_UNAVAILABLE)
-            continue;
-        enum rb_status status = open_row(bench, row, RB_SAMPLE_TILE, error);
-        if (status)
-            return status;
-        if (row == reference)
-            rb_tiles_fit(&bench->tiles, row->renderer, budget_s);
-        run_groups(bench, row);
-        for (int g = 0; g < row->sample_count; g++)
+    const struct rb_row *reference = &bench->rows[0];
+    for (uint32_t g = 0; g < bench->tiles.group_count; g++) {
+        for (int i = 0; i < bench->row_count; i++) {
+            struct rb_row *row = &bench->rows[i];
+            if (row->state != RB_ROW_MEASURED)
+                continue;
+            rb_tiles_run(&bench->tiles, g, row->renderer, &row->samples[g]);
+            row->sample_count = (int)g + 1;
             if (!same_rays(&row->samples[g], &reference->samples[g]))
                 invalidate(bench, row);
-    }
-    for (int i = 0; i < bench->row_count; i++) {
-        struct rb_row *row = &bench->rows[i];
-        bool slow = row->variant->accelerator == RB_ACCEL_NONE;
-        if (row->state != RB_ROW_MEASURED)
-            continue;
-        if (slow && !rb_tiles_complete(&bench->tiles)) {
-            row->state = RB_ROW_ESTIMATED;
-            row->population = (double)bench->tiles.total / bench->tiles.group_size;
-            continue;
         }
-        row->sample_count = 0;
-        enum rb_status status = open_row(bench, row, bench->settings.tile, error);
-        if (status)
-            return status;
     }
-    return RB_OK;
+}
+
+// Slow rows keep what they rendered as their samples; the others make place for whole frames.
+static enum rb_status settle_row(struct rb_scene_bench *bench, struct rb_row *row,
+                                 struct rb_error *error)
+{
+    if (row->variant->accelerator == RB_ACCEL_NONE && !rb_tiles_complete(&bench->tiles)) {
+        row->state = RB_ROW_ESTIMATED;
+        row->population = (double)bench->tiles.total / bench->tiles.group_size;
+        return RB_OK;
+    }
+    row->sample_count = 0;
+    return open_row(bench, row, bench->settings.tile, error);
+}
+
+static enum rb_status verify(struct rb_scene_bench *bench, double budget_s, struct rb_error *error)
+{
+    enum rb_status status = RB_OK;
+    for (int i = 0; i < bench->row_count && status == RB_OK; i++)
+        if (bench->rows[i].state == RB_ROW_MEASURED)
+            status = open_row(bench, &bench->rows[i], RB_SAMPLE_TILE, error);
+    if (status)
+        return status;
+    rb_tiles_fit(&bench->tiles, bench->rows[0].renderer, budget_s);
+    run_groups(bench);
+    for (int i = 0; i < bench->row_count && status == RB_OK; i++)
+        if (bench->rows[i].state == RB_ROW_MEASURED)
+            status = settle_row(bench, &bench->rows[i], error);
+    return status;
 }
 
 // A frame of every measured row, which also warms up; hits, image and rays must be equal again.

@@ -5,6 +5,13 @@
 #include <stdio.h>
 #include <string.h>
 
+// Four digits, but no exponent.
+static const char *format_ms(double ns, char text[24])
+{
+    snprintf(text, 24, ns >= 1e9 ? "%.0f" : "%.4g", ns * 1e-6);
+    return text;
+}
+
 static void print_frame(const struct rb_scene_bench *bench, const struct rb_row *row)
 {
     const struct rb_row *base = rb_scene_bench_row(bench, row->variant->baseline);
@@ -16,11 +23,12 @@ static void print_frame(const struct rb_scene_bench *bench, const struct rb_row 
         return;
     }
     struct rb_estimate frame = rb_row_frame(row, bench->frame_rays);
-    char interval[48] = "-";
+    char interval[64] = "-", value[24], low[24], high[24];
     if (isfinite(frame.low))
-        snprintf(interval, sizeof interval, "%.4g to %.4g", frame.low * 1e-6, frame.high * 1e-6);
-    printf("%7d %5s %10.4g  %-22s %8.3f", rb_row_threads(row),
-           row->state == RB_ROW_ESTIMATED ? "est." : "", frame.value * 1e-6, interval,
+        snprintf(interval, sizeof interval, "%s to %s", format_ms(frame.low, low),
+                 format_ms(frame.high, high));
+    printf("%7d %5s %10s  %-22s %8.3f", rb_row_threads(row),
+           row->state == RB_ROW_ESTIMATED ? "est." : "", format_ms(frame.value, value), interval,
            bench->frame_rays / frame.value * 1e3);
     if (base && base != row && rb_row_has_time(base))
         printf("  %8.2f x %s", rb_row_frame(base, bench->frame_rays).value / frame.value,
