@@ -1,18 +1,16 @@
 // Binned SAH, in two phases. A serial phase splits the largest ranges until there are enough
 // subtrees to share; the subtrees are then built in parallel, each in node slots of its own, and
 // copied behind the top of the tree in a fixed order. Sorting on every axis (full sweep SAH) was
-// rejected: the cost of a tree with 16 bins is within 2 % of it (Wald 2007) at a fraction of the
-// time.
+// rejected: binned trees cost nearly the same (Wald 2007) at a fraction of the build time.
 #include "accel/bvh.h"
 
+#include "accel/sah.h"
 #include "base/fpenv.h"
 #include "base/memory.h"
-#include "base/vec.h"
 
 #include <string.h>
 
 enum {
-    BINS = 16,
     LEAF_MAX = 8,
     DEPTH_HALVE = 48,   // from here on ranges are halved, see RB_BVH_DEPTH_MAX
     SUBTREES = 64,      // shared among the workers
@@ -23,142 +21,23 @@ enum {
 // Costs relative to one test of a box pair: a primitive test includes the test of its own box.
 static const float COST_PRIMITIVE = 1.5f;
 
-struct box {
-    float low[3], high[3];
-};
-
-struct item {
-    struct box box;
-    uint32_t id;
-};
-
-struct bin {
-    struct box box;
-    uint32_t count;
-};
-
-struct split {
-    float cost; // of both sides, area times primitives
-    float low, scale;
-    int axis, bin; // items of bins < bin go left
-};
-
 // A range of items that becomes one child of a node.
 struct range {
     uint32_t begin, end;
-    struct box box;
+    struct rb_box box;
     int depth;
 };
 
 struct builder {
-    struct item *items;
+    struct rb_sah_item *items;
     struct rb_bvh_node *nodes;
 };
 
-static const struct box EMPTY = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-
-static void box_include(struct box *box, const struct box *other)
-{
-    for (int k = 0; k < 3; k++) {
-        box->low[k] = rb_min(box->low[k], other->low[k]);
-        box->high[k] = rb_max(box->high[k], other->high[k]);
-    }
-}
-
-static float box_half_area(const struct box *box)
-{
-    float x = box->high[0] - box->low[0], y = box->high[1] - box->low[1];
-    float z = box->high[2] - box->low[2];
-    return x * y + y * z + z * x;
-}
-
-static float item_center(const struct item *item, int axis)
-{
-    return item->box.low[axis] + item->box.high[axis]; // twice the centre; only order matters
-}
-
-static struct box centers_box(const struct item *items, uint32_t count)
-{
-    struct box box = EMPTY;
-    for (uint32_t i = 0; i < count; i++) {
-        struct box point;
-        for (int k = 0; k < 3; k++)
-            point.low[k] = point.high[k] = item_center(&items[i], k);
-        box_include(&box, &point);
-    }
-    return box;
-}
-
-static int bin_of(const struct item *item, int axis, float low, float scale)
-{
-    int bin = (int)((item_center(item, axis) - low) * scale);
-    return bin < BINS - 1 ? bin : BINS - 1;
-}
-
-// Sweeps the bins of one axis from both ends and keeps the cheapest plane in `best`.
-static void sweep(const struct bin bins[BINS], int axis, float low, float scale, struct split *best)
-{
-    float right_cost[BINS];
-    struct box box = EMPTY;
-    uint32_t count = 0;
-    for (int i = BINS - 1; i > 0; i--) {
-        box_include(&box, &bins[i].box);
-        count += bins[i].count;
-        right_cost[i] = count ? box_half_area(&box) * (float)count : INFINITY;
-    }
-    box = EMPTY;
-    count = 0;
-    for (int i = 1; i < BINS; i++) {
-        box_include(&box, &bins[i - 1].box);
-        count += bins[i - 1].count;
-        float cost = count ? box_half_area(&box) * (float)count + right_cost[i] : INFINITY;
-        if (cost < best->cost)
-            *best = (struct split){cost, low, scale, axis, i};
-    }
-}
-
-static struct split find_split(const struct item *items, uint32_t count)
-{
-    struct split best = {.cost = INFINITY};
-    struct box centers = centers_box(items, count);
-    for (int axis = 0; axis < 3; axis++) {
-        float low = centers.low[axis];
-        float scale = (float)BINS / (centers.high[axis] - low);
-        if (!(scale < FLT_MAX)) // no extent on this axis
-            continue;
-        struct bin bins[BINS];
-        for (int i = 0; i < BINS; i++)
-            bins[i] = (struct bin){EMPTY, 0};
-        for (uint32_t i = 0; i < count; i++) {
-            struct bin *bin = &bins[bin_of(&items[i], axis, low, scale)];
-            box_include(&bin->box, &items[i].box);
-            bin->count++;
-        }
-        sweep(bins, axis, low, scale, &best);
-    }
-    return best;
-}
-
-static uint32_t partition(struct item *items, uint32_t count, const struct split *split)
-{
-    uint32_t left = 0, right = count;
-    while (left < right) {
-        if (bin_of(&items[left], split->axis, split->low, split->scale) < split->bin) {
-            left++;
-        } else {
-            struct item swap = items[left];
-            items[left] = items[--right];
-            items[right] = swap;
-        }
-    }
-    return left;
-}
-
 static struct range range_of(const struct builder *builder, uint32_t begin, uint32_t end, int depth)
 {
-    struct range range = {begin, end, EMPTY, depth};
+    struct range range = {begin, end, RB_BOX_EMPTY, depth};
     for (uint32_t i = begin; i < end; i++)
-        box_include(&range.box, &builder->items[i].box);
+        rb_box_include(&range.box, &builder->items[i].box);
     return range;
 }
 
@@ -166,18 +45,18 @@ static struct range range_of(const struct builder *builder, uint32_t begin, uint
 static bool range_split(const struct builder *builder, const struct range *range,
                         struct range out[2])
 {
-    struct item *items = builder->items + range->begin;
+    struct rb_sah_item *items = builder->items + range->begin;
     uint32_t count = range->end - range->begin, middle = count / 2;
     if (count < 2)
         return false;
     if (range->depth < DEPTH_HALVE) {
-        struct split split = find_split(items, count);
-        float area = box_half_area(&range->box), total = (float)count;
+        struct rb_sah_split split = rb_sah_find(items, count);
+        float area = rb_box_half_area(&range->box), total = (float)count;
         bool pays = area + COST_PRIMITIVE * split.cost < COST_PRIMITIVE * total * area;
         if (count <= LEAF_MAX && !pays)
             return false;
         if (split.cost < INFINITY)
-            middle = partition(items, count, &split);
+            middle = rb_sah_partition(items, count, &split);
     } else if (count <= LEAF_MAX) {
         return false;
     }
@@ -293,13 +172,13 @@ static double node_cost(const struct rb_bvh_node *node)
 {
     double cost = 0;
     for (int c = 0; c < 2; c++) {
-        struct box box;
+        struct rb_box box;
         for (int k = 0; k < 3; k++) {
             box.low[k] = node->bounds[k][0][c];
             box.high[k] = node->bounds[k][1][c];
         }
         double weight = node->count[c] ? (double)COST_PRIMITIVE * node->count[c] : 1.0;
-        cost += box.low[0] <= box.high[0] ? (double)box_half_area(&box) * weight : 0.0;
+        cost += box.low[0] <= box.high[0] ? (double)rb_box_half_area(&box) * weight : 0.0;
     }
     return cost;
 }
@@ -334,7 +213,7 @@ static void bound_step(const struct job *job, uint32_t chunk)
     uint32_t begin = chunk * BOUND_CHUNK, rest = job->bvh->ref_count - begin;
     uint32_t end = begin + (rest < BOUND_CHUNK ? rest : BOUND_CHUNK);
     for (uint32_t i = begin; i < end; i++) {
-        struct item *item = &job->builder->items[i];
+        struct rb_sah_item *item = &job->builder->items[i];
         item->id = i;
         rb_scene_bounds(job->scene, i, item->box.low, item->box.high);
     }
@@ -375,11 +254,11 @@ static enum rb_status build(const struct job *job, int threads)
     struct rb_bvh *bvh = job->bvh;
     for_each(threads, (bvh->ref_count - 1) / BOUND_CHUNK + 1, bound_step, job);
     struct range root = range_of(job->builder, 0, bvh->ref_count, 0);
-    struct range halves[2] = {root, {.box = EMPTY}};
+    struct range halves[2] = {root, {.box = RB_BOX_EMPTY}};
     range_split(job->builder, &root, halves); // else one leaf and an empty child
     build_top(job->builder, halves, job->top);
     enum rb_status status = assemble(job, threads);
-    double area = (double)box_half_area(&root.box), cost = 0;
+    double area = (double)rb_box_half_area(&root.box), cost = 0;
     for (uint32_t i = 0; status == RB_OK && i < bvh->node_count; i++)
         cost += node_cost(&bvh->nodes[i]);
     bvh->sah_cost = area > 0 ? 1.0 + cost / area : 1.0;

@@ -14,8 +14,8 @@ const struct rb_command rb_command_pixel = {
     .text = RB_HELP_SCENE
     "\n\n"
     "X counts from the left, Y from the top, both from 0. Each ray is printed with its kind,\n"
-    "what it hit, its weight in the pixel, the verdict on each light and the colour it adds\n"
-    "itself, by the same kernels and with the same result as in a whole frame.\n\n"
+    "what it hit, its weight in the pixel, the verdict on each light and its local\n"
+    "colour, by the same kernels and with the same result as in a whole frame.\n\n"
     "  raybench pixel mount_low 200 200\n"
     "  raybench pixel balls_high 256 256 --depth 3 --variant naive",
     .positional_min = 3,
@@ -45,8 +45,7 @@ static void print_ray(void *user, const struct rb_pixel_ray *ray)
            (double)ray->d.x, (double)ray->d.y, (double)ray->d.z);
     indent(ray->bounce);
     if (ray->prim == RB_NONE) {
-        printf("  misses, background (%.6g %.6g %.6g)\n", (double)scene->background[0],
-               (double)scene->background[1], (double)scene->background[2]);
+        printf("  misses\n");
         return;
     }
     enum rb_kind shape = rb_scene_kind(scene, ray->prim);
@@ -71,6 +70,18 @@ static void print_shadow(void *user, const struct rb_pixel_ray *ray,
                (double)shadow->color[1], (double)shadow->color[2]);
 }
 
+static void print_local(void *user, const struct rb_pixel_ray *ray, const float added[3])
+{
+    double weight = (double)ray->weight;
+    (void)user;
+    indent(ray->bounce);
+    printf("  %s colour ", ray->prim == RB_NONE ? "background" : "local");
+    if (weight > 0)
+        printf("(%.6g %.6g %.6g) x weight = ", (double)added[0] / weight, (double)added[1] / weight,
+               (double)added[2] / weight);
+    printf("(%.6g %.6g %.6g)\n", (double)added[0], (double)added[1], (double)added[2]);
+}
+
 static bool parse_coordinate(const char *text, int limit, int *value)
 {
     size_t digits = strspn(text, "0123456789");
@@ -89,7 +100,7 @@ static int run(const struct rb_arguments *arguments)
     int x, y;
     if (parse_coordinate(arguments->positional[1], settings->width, &x) &&
         parse_coordinate(arguments->positional[2], settings->height, &y)) {
-        struct rb_pixel_observer observer = {&scene, print_ray, print_shadow};
+        struct rb_pixel_observer observer = {&scene, print_ray, print_shadow, print_local};
         float color[3];
         rb_renderer_pixel(renderer, x, y, &observer, color);
         printf("pixel (%d, %d) = (%.9g %.9g %.9g)\n", x, y, (double)color[0], (double)color[1],

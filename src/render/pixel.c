@@ -4,6 +4,8 @@
 #include "render/inside.h"
 #include "render/renderer.h"
 
+#include <string.h>
+
 struct walk {
     struct rb_renderer *renderer;
     const struct rb_pixel_observer *observer;
@@ -61,6 +63,15 @@ static struct rb_pixel_ray describe(const struct rb_queues *queues, const struct
     return seen;
 }
 
+// What the running sums of the pixel hold beyond `before`.
+static void added_since(const struct rb_film *film, uint32_t pixel, const uint64_t before[3],
+                        float added[3])
+{
+    for (int k = 0; k < 3; k++)
+        added[k] =
+            (float)(int64_t)(film->rgb[3 * (size_t)pixel + (size_t)k] - before[k]) / RB_FILM_ONE;
+}
+
 // The ray at index `slot` of the queue of `bounce`, and all that comes of it.
 static void walk_ray(const struct walk *walk, int bounce, uint32_t slot, uint32_t sample)
 {
@@ -73,6 +84,9 @@ static void walk_ray(const struct walk *walk, int bounce, uint32_t slot, uint32_
         reflected = rb_rays_view(&queues->rays[bounce + 1], 0, 0, 1);
         refracted = rb_rays_view(&queues->rays[bounce + 1], 1, 0, 1);
     }
+    uint32_t pixel = rays.pixel[0];
+    uint64_t before[3];
+    memcpy(before, frame->film.rgb + 3 * (size_t)pixel, sizeof before);
     frame->kernels->trace(&frame->world, &rays, &queues->hits);
     queues->surfaces.count = 0;
     frame->kernels->surface(&frame->world, &frame->shading, &rays, &queues->hits, &queues->surfaces,
@@ -83,9 +97,11 @@ static void walk_ray(const struct walk *walk, int bounce, uint32_t slot, uint32_
         seen.total_reflection =
             !last && refracted.count == 0 && frame->world.scene->materials[seen.material].t > 0.0f;
     walk->observer->ray(walk->observer->user, &seen);
-    if (seen.prim == RB_NONE)
-        return;
-    observe_lights(walk, &seen);
+    float added[3];
+    if (seen.prim != RB_NONE)
+        observe_lights(walk, &seen);
+    added_since(&frame->film, pixel, before, added);
+    walk->observer->local(walk->observer->user, &seen, added);
     if (reflected.count)
         walk_ray(walk, bounce + 1, 0, sample);
     if (refracted.count)

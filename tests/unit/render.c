@@ -5,6 +5,7 @@
 #include "tests/unit/tap.h"
 
 #include <fenv.h>
+#include <math.h>
 #include <string.h>
 
 static const struct rb_settings plain = {.width = 72, .height = 56};
@@ -84,10 +85,23 @@ static void no_shadow(void *user, const struct rb_pixel_ray *ray,
     (void)user, (void)ray, (void)shadow;
 }
 
+// What the rays of a pixel add up to.
+struct walked {
+    int rays;
+    float sum[3];
+};
+
 static void count_ray(void *user, const struct rb_pixel_ray *ray)
 {
     (void)ray;
-    ++*(int *)user;
+    ((struct walked *)user)->rays++;
+}
+
+static void add_local(void *user, const struct rb_pixel_ray *ray, const float added[3])
+{
+    (void)ray;
+    for (int k = 0; k < 3; k++)
+        ((struct walked *)user)->sum[k] += added[k];
 }
 
 // A pixel walked alone has the colour it has in the frame.
@@ -103,15 +117,18 @@ static void check_pixels(const struct rb_scene *scene, const char *name)
     }
     rb_renderer_run(renderer, NULL, &result);
     rb_renderer_pixels(renderer, frame);
-    bool same = true;
-    int rays = 0;
-    struct rb_pixel_observer observer = {&rays, count_ray, no_shadow};
+    bool same = true, adds_up = true;
     for (int i = 0; i < 40 * 40; i += 37) {
         float color[3];
+        struct walked walked = {0};
+        struct rb_pixel_observer observer = {&walked, count_ray, no_shadow, add_local};
         rb_renderer_pixel(renderer, i % 40, i / 40, &observer, color);
-        same = same && memcmp(color, frame + 3 * i, sizeof color) == 0;
+        same = same && walked.rays > 0 && memcmp(color, frame + 3 * i, sizeof color) == 0;
+        for (int k = 0; k < 3; k++) // four samples; sums of up to 100 floats
+            adds_up = adds_up && fabsf(walked.sum[k] / 4 - color[k]) <= 1e-5f;
     }
-    ok(same && rays > 0, "%s: walked pixels have the colours of the frame", name);
+    ok(same, "%s: walked pixels have the colours of the frame", name);
+    ok(adds_up, "%s: what the rays of a walked pixel add is its colour", name);
     rb_renderer_free(renderer);
 }
 
