@@ -133,7 +133,7 @@ static inline bool rb_sphere_test(const struct rb_sphere *sphere, const struct r
 // Error of the edge functions below, relative to |o - v0| times the longest edge: rays may pass an
 // edge by this much on the wrong side and still hit, so that none slips between two triangles that
 // share it. The worst of 10^8 rays aimed at edges and vertices of five meshes, from near and far,
-// needed 5.1 * 2^-24 (tests/unit/watertight.c; at a quarter of what stands here 34 in a million
+// needed 5.1 * 2^-24 (tests/unit/leaks.c; at a quarter of what stands here 34 in a million
 // leak, without any 19 %). More than needed shows the wrong triangle at the rims of others.
 #define RB_EDGE_TOLERANCE (8.0f * 0x1p-24f)
 

@@ -4,84 +4,11 @@
 #include "tests/support/reference.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-
-enum { LEAF_MAX = 4, STACK = 128 };
-
-double ref_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-double ref_length(const double a[3])
-{
-    return sqrt(ref_dot(a, a));
-}
-
-void ref_cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-void ref_along(const double o[3], double t, const double d[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = o[k] + t * d[k];
-}
-
-bool ref_normalize(double a[3])
-{
-    double length = ref_length(a);
-    if (!(length > 0.0))
-        return false;
-    for (int k = 0; k < 3; k++)
-        a[k] /= length;
-    return true;
-}
-
-static void widen(const float a[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = (double)a[k];
-}
-
-static void subtract(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = a[k] - b[k];
-}
 
 static double clamp(double x, double low, double high)
 {
     return x < low ? low : x > high ? high : x;
-}
-
-double ref_uniform(struct ref_random *random)
-{
-    uint64_t z = random->state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
-}
-
-double ref_between(struct ref_random *random, double low, double high)
-{
-    return low + (high - low) * ref_uniform(random);
-}
-
-uint32_t ref_below(struct ref_random *random, uint32_t limit)
-{
-    return (uint32_t)(ref_uniform(random) * limit);
-}
-
-void ref_direction(struct ref_random *random, double d[3])
-{
-    double z = ref_between(random, -1.0, 1.0), angle = ref_between(random, 0.0, 2.0 * acos(-1.0));
-    double across = sqrt(1.0 - z * z);
-    d[0] = across * cos(angle), d[1] = across * sin(angle), d[2] = z;
 }
 
 // A triangle in double precision.
@@ -95,10 +22,10 @@ static struct corners corners_of(const struct rb_scene *scene, uint32_t prim)
     const struct rb_triangle *triangle = &scene->triangles[prim - scene->first[RB_TRIANGLE]];
     struct corners c;
     for (int i = 0; i < 3; i++)
-        widen(triangle->v[i], c.v[i]);
+        ref_widen(triangle->v[i], c.v[i]);
     double a[3], b[3];
-    subtract(c.v[1], c.v[0], a);
-    subtract(c.v[2], c.v[0], b);
+    ref_edge(triangle->v[0], triangle->v[1], a);
+    ref_edge(triangle->v[0], triangle->v[2], b);
     ref_cross(a, b, c.normal);
     ref_normalize(c.normal);
     return c;
@@ -109,8 +36,8 @@ static double line_segment_distance(const double o[3], const double d[3], const 
                                     const double b[3])
 {
     double e[3], w[3], apart[3];
-    subtract(b, a, e);
-    subtract(a, o, w);
+    ref_subtract(b, a, e);
+    ref_subtract(a, o, w);
     double dd = ref_dot(d, d), de = ref_dot(d, e), ee = ref_dot(e, e);
     double dw = ref_dot(d, w), ew = ref_dot(e, w), determinant = dd * ee - de * de;
     double s = determinant > 0.0 ? clamp((de * dw - dd * ew) / determinant, 0.0, 1.0) : 0.0;
@@ -129,8 +56,8 @@ static double triangle_distance(const struct corners *c, const double p[3])
     for (int i = 0; i < 3; i++) {
         const double *a = c->v[i], *b = c->v[(i + 1) % 3];
         double e[3], w[3], side[3], apart[3];
-        subtract(b, a, e);
-        subtract(p, a, w);
+        ref_subtract(b, a, e);
+        ref_subtract(p, a, w);
         ref_cross(e, w, side);
         above = above && ref_dot(side, c->normal) >= 0.0;
         double s = clamp(ref_dot(w, e) / ref_dot(e, e), 0.0, 1.0);
@@ -138,7 +65,7 @@ static double triangle_distance(const struct corners *c, const double p[3])
         nearest = fmin(nearest, ref_length(apart));
     }
     double w[3];
-    subtract(p, c->v[0], w);
+    ref_subtract(p, c->v[0], w);
     return above ? fabs(ref_dot(w, c->normal)) : nearest;
 }
 
@@ -153,7 +80,7 @@ static int triangle_crossings(const struct rb_scene *scene, uint32_t prim,
     double w[3][3], clearance = HUGE_VAL;
     int positive = 0, negative = 0;
     for (int i = 0; i < 3; i++)
-        subtract(c.v[i], ray->o, w[i]);
+        ref_subtract(c.v[i], ray->o, w[i]);
     for (int i = 0; i < 3; i++) {
         double normal[3];
         ref_cross(w[i], w[(i + 1) % 3], normal);
@@ -180,8 +107,8 @@ static int sphere_crossings(const struct rb_scene *scene, uint32_t prim, const s
 {
     const struct rb_sphere *sphere = &scene->spheres[prim];
     double c[3], l[3], apart[3], radius = fabs((double)sphere->radius);
-    widen(sphere->center, c);
-    subtract(c, ray->o, l);
+    ref_widen(sphere->center, c);
+    ref_subtract(c, ray->o, l);
     double dd = ref_dot(ray->d, ray->d), middle = ref_dot(l, ray->d) / dd;
     ref_along(l, -middle, ray->d, apart);
     double away = ref_length(apart);
@@ -213,8 +140,8 @@ static struct frustum frustum_of(const struct rb_scene *scene, uint32_t prim)
     struct frustum f = {.base_radius = (double)cone->base_radius,
                         .slope = (double)cone->slope,
                         .height = (double)cone->height};
-    widen(cone->base, f.base);
-    widen(cone->axis, f.axis);
+    ref_widen(cone->base, f.base);
+    ref_widen(cone->axis, f.axis);
     ref_normalize(f.axis);
     return f;
 }
@@ -223,7 +150,7 @@ static struct frustum frustum_of(const struct rb_scene *scene, uint32_t prim)
 static double split(const struct frustum *f, const double p[3], double across[3])
 {
     double l[3];
-    subtract(p, f->base, l);
+    ref_subtract(p, f->base, l);
     double z = ref_dot(l, f->axis);
     ref_along(l, -z, f->axis, across);
     return z;
@@ -256,7 +183,7 @@ static int cone_crossings(const struct rb_scene *scene, uint32_t prim, const str
     struct frustum f = frustum_of(scene, prim);
     double middle[3], l[3], o[3], across[3], d_across[3];
     ref_along(f.base, 0.5 * f.height, f.axis, middle);
-    subtract(middle, ray->o, l);
+    ref_subtract(middle, ray->o, l);
     double shift = ref_dot(l, ray->d) / ref_dot(ray->d, ray->d);
     ref_along(ray->o, shift, ray->d, o);
     double z = split(&f, o, across), dz = ref_dot(ray->d, f.axis);
@@ -287,7 +214,7 @@ static int plane_crossings(const struct rb_scene *scene, uint32_t prim, const st
 {
     const struct rb_plane *plane = &scene->planes[prim - scene->first[RB_PLANE]];
     double n[3];
-    widen(plane->normal, n);
+    ref_widen(plane->normal, n);
     double facing = ref_dot(n, ray->d), length = ref_length(n);
     double t = ((double)plane->distance - ref_dot(n, ray->o)) / facing;
     if (prim == ray->self || !(t > 0.0 && t < HUGE_VAL))
@@ -344,114 +271,6 @@ int ref_crossings(const struct rb_scene *scene, uint32_t prim, const struct ref_
     return kept;
 }
 
-static const struct ref_hit miss = {.t = HUGE_VAL, .prim = RB_NONE};
-
-static void take_closer(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray,
-                        struct ref_hit *best)
-{
-    struct ref_hit hits[2];
-    int count = ref_crossings(scene, prim, ray, hits);
-    for (int i = 0; i < count; i++)
-        if (hits[i].t < best->t || (hits[i].t == best->t && hits[i].prim < best->prim))
-            *best = hits[i];
-}
-
-struct ref_hit ref_closest_brute(const struct rb_scene *scene, const struct ref_ray *ray)
-{
-    struct ref_hit best = miss;
-    for (uint32_t prim = 0; prim < scene->primitive_count; prim++)
-        take_closer(scene, prim, ray, &best);
-    return best;
-}
-
-// Where the ray is inside a box, from *near to *far; false if nowhere. The box is widened by more
-// than double precision can lose.
-static bool box_range(const struct ref_node *node, const struct ref_ray *ray, double *near,
-                      double *far)
-{
-    *near = 0.0, *far = HUGE_VAL;
-    for (int k = 0; k < 3; k++) {
-        double margin = 1e-12 * (fabs(ray->o[k]) + fabs(node->low[k]) + fabs(node->high[k]));
-        double low = node->low[k] - margin - ray->o[k], high = node->high[k] + margin - ray->o[k];
-        if (ray->d[k] == 0.0) {
-            if (low > 0.0 || high < 0.0)
-                return false;
-            continue;
-        }
-        double a = low / ray->d[k], b = high / ray->d[k];
-        *near = fmax(*near, fmin(a, b) * (1.0 - 1e-12));
-        *far = fmin(*far, fmax(a, b) * (1.0 + 1e-12));
-    }
-    return *near <= *far;
-}
-
-// HUGE_VAL if the ray passes the box by.
-static double box_entry(const struct ref_node *node, const struct ref_ray *ray)
-{
-    double near, far;
-    return box_range(node, ray, &near, &far) ? near : HUGE_VAL;
-}
-
-struct ref_hit ref_closest(const struct ref_world *world, const struct ref_ray *ray)
-{
-    const struct rb_scene *scene = world->scene;
-    struct ref_hit best = miss;
-    uint32_t stack[STACK];
-    int depth = 0;
-    for (uint32_t prim = scene->bounded_count; prim < scene->primitive_count; prim++)
-        take_closer(scene, prim, ray, &best);
-    if (world->node_count)
-        stack[depth++] = 0;
-    while (depth > 0) {
-        const struct ref_node *node = &world->nodes[stack[--depth]];
-        double entry = box_entry(node, ray);
-        if (entry == HUGE_VAL || entry > best.t)
-            continue;
-        for (uint32_t i = 0; i < node->count; i++)
-            take_closer(scene, world->refs[node->first + i], ray, &best);
-        if (node->count == 0) {
-            bool swap = box_entry(&world->nodes[node->first], ray) <
-                        box_entry(&world->nodes[node->first + 1], ray);
-            stack[depth++] = node->first + swap;
-            stack[depth++] = node->first + !swap;
-        }
-    }
-    return best;
-}
-
-static bool crosses_before(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray,
-                           double distance)
-{
-    struct ref_hit hits[2];
-    int count = ref_crossings(scene, prim, ray, hits);
-    return (count > 0 && hits[0].t < distance) || (count > 1 && hits[1].t < distance);
-}
-
-bool ref_occluded(const struct ref_world *world, const struct ref_ray *ray, double distance)
-{
-    const struct rb_scene *scene = world->scene;
-    uint32_t stack[STACK];
-    int depth = 0;
-    for (uint32_t prim = scene->bounded_count; prim < scene->primitive_count; prim++)
-        if (crosses_before(scene, prim, ray, distance))
-            return true;
-    if (world->node_count)
-        stack[depth++] = 0;
-    while (depth > 0) {
-        const struct ref_node *node = &world->nodes[stack[--depth]];
-        if (!(box_entry(node, ray) < distance))
-            continue;
-        for (uint32_t i = 0; i < node->count; i++)
-            if (crosses_before(scene, world->refs[node->first + i], ray, distance))
-                return true;
-        if (node->count == 0) {
-            stack[depth++] = node->first;
-            stack[depth++] = node->first + 1;
-        }
-    }
-    return false;
-}
-
 bool ref_shadows_itself(const struct rb_scene *scene, const struct ref_ray *ray, double distance)
 {
     struct ref_hit hits[2];
@@ -465,28 +284,13 @@ bool ref_shadows_itself(const struct rb_scene *scene, const struct ref_ray *ray,
     return count > 0 && hits[0].t < distance;
 }
 
-double ref_depth_before(const struct rb_scene *scene, const struct ref_ray *ray, double distance)
-{
-    double deepest = 0.0, length = ref_length(ray->d);
-    for (uint32_t prim = 0; prim < scene->primitive_count; prim++) {
-        struct ref_hit hits[2];
-        int count = ref_crossings(scene, prim, ray, hits);
-        for (int i = 0; i < count; i++) {
-            double ahead = (distance - hits[i].t) * length * hits[i].cosine;
-            double behind = hits[i].t * length * hits[i].cosine;
-            deepest = fmax(deepest, fmin(hits[i].clearance, fmin(ahead, behind)));
-        }
-    }
-    return deepest;
-}
-
 double ref_distance(const struct rb_scene *scene, uint32_t prim, const double p[3])
 {
     double l[3], across[3], n[3];
     switch (rb_scene_kind(scene, prim)) {
     case RB_SPHERE:
-        widen(scene->spheres[prim].center, n);
-        subtract(p, n, l);
+        ref_widen(scene->spheres[prim].center, n);
+        ref_subtract(p, n, l);
         return fabs(ref_length(l) - fabs((double)scene->spheres[prim].radius));
     case RB_TRIANGLE: {
         struct corners c = corners_of(scene, prim);
@@ -500,7 +304,7 @@ double ref_distance(const struct rb_scene *scene, uint32_t prim, const double p[
     }
     default: {
         const struct rb_plane *plane = &scene->planes[prim - scene->first[RB_PLANE]];
-        widen(plane->normal, n);
+        ref_widen(plane->normal, n);
         return fabs(ref_dot(n, p) - (double)plane->distance) / ref_length(n);
     }
     }
@@ -514,70 +318,14 @@ double ref_off(const struct rb_scene *scene, uint32_t prim, const struct ref_ray
         return ref_distance(scene, prim, p);
     struct corners c = corners_of(scene, prim);
     struct ref_hit hits[2];
-    struct ref_ray line = {.self = RB_NONE, .shadow = true};
-    memcpy(line.o, ray->o, sizeof line.o), memcpy(line.d, ray->d, sizeof line.d);
+    struct ref_ray line = *ray;
+    line.self = RB_NONE, line.shadow = true;
     for (int i = 0; i < 3; i++)
         gap = fmin(gap, line_segment_distance(ray->o, ray->d, c.v[i], c.v[(i + 1) % 3]));
-    if (triangle_crossings(scene, prim, &line, hits))
+    if (ref_crossings(scene, prim, &line, hits))
         gap = 0.0;
-    subtract(p, c.v[0], w);
+    ref_subtract(p, c.v[0], w);
     return fmax(gap, fabs(ref_dot(w, c.normal)));
-}
-
-static double distance_at(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray,
-                          double t)
-{
-    double p[3];
-    ref_along(ray->o, t, ray->d, p);
-    return ref_distance(scene, prim, p);
-}
-
-// The smallest distance of a primitive from the piece low <= t <= high of a ray: steps, then
-// ternary search around the best of them.
-static double piece_distance(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray,
-                             double low, double high)
-{
-    enum { STEPS = 64 };
-    double nearest = HUGE_VAL, best = low, step = (high - low) / STEPS;
-    for (int i = 0; i <= STEPS; i++) {
-        double here = distance_at(scene, prim, ray, low + i * step);
-        if (here < nearest)
-            nearest = here, best = low + i * step;
-    }
-    low = fmax(low, best - step), high = fmin(high, best + step);
-    for (int i = 0; i < 60; i++) {
-        double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
-        if (distance_at(scene, prim, ray, a) < distance_at(scene, prim, ray, b))
-            high = b;
-        else
-            low = a;
-    }
-    return fmin(nearest, distance_at(scene, prim, ray, low));
-}
-
-double ref_gap_before(const struct rb_scene *scene, const struct ref_ray *ray, double distance)
-{
-    double nearest = HUGE_VAL;
-    for (uint32_t prim = 0; prim < scene->primitive_count; prim++) {
-        double from = 0.0, to = distance;
-        if (prim == ray->self)
-            continue;
-        if (crosses_before(scene, prim, ray, distance))
-            return 0.0;
-        if (prim < scene->bounded_count) { // look where it is near; elsewhere it cannot be at fault
-            float low[3], high[3];
-            struct ref_node box;
-            rb_scene_bounds(scene, prim, low, high);
-            for (int k = 0; k < 3; k++) {
-                double margin = 1e-3 * (fabs((double)high[k]) + fabs((double)low[k]) + 1e-3);
-                box.low[k] = (double)low[k] - margin, box.high[k] = (double)high[k] + margin;
-            }
-            if (!box_range(&box, ray, &from, &to) || from > distance)
-                continue;
-        }
-        nearest = fmin(nearest, piece_distance(scene, prim, ray, from, fmin(to, distance)));
-    }
-    return nearest;
 }
 
 // Barycentric weights of p's foot on the triangle, as shares of its area.
@@ -592,10 +340,10 @@ static bool smooth_normal(const struct rb_scene *scene, uint32_t prim, const str
     memset(normal, 0, 3 * sizeof *normal);
     for (int i = 0; i < 3; i++) {
         double a[3], b[3], area[3], n[3];
-        subtract(c->v[(i + 1) % 3], p, a);
-        subtract(c->v[(i + 2) % 3], p, b);
+        ref_subtract(c->v[(i + 1) % 3], p, a);
+        ref_subtract(c->v[(i + 2) % 3], p, b);
         ref_cross(a, b, area);
-        widen(normals[i], n);
+        ref_widen(normals[i], n);
         ref_along(normal, ref_dot(area, c->normal), n, normal);
     }
     return ref_normalize(normal);
@@ -606,8 +354,8 @@ void ref_normal(const struct rb_scene *scene, uint32_t prim, const double p[3], 
     double across[3];
     switch (rb_scene_kind(scene, prim)) {
     case RB_SPHERE:
-        widen(scene->spheres[prim].center, across);
-        subtract(p, across, normal);
+        ref_widen(scene->spheres[prim].center, across);
+        ref_subtract(p, across, normal);
         break;
     case RB_TRIANGLE: {
         struct corners c = corners_of(scene, prim);
@@ -622,122 +370,7 @@ void ref_normal(const struct rb_scene *scene, uint32_t prim, const double p[3], 
         break;
     }
     default:
-        widen(scene->planes[prim - scene->first[RB_PLANE]].normal, normal);
+        ref_widen(scene->planes[prim - scene->first[RB_PLANE]].normal, normal);
     }
     ref_normalize(normal);
-}
-
-double ref_reach(const struct rb_scene *scene, uint32_t prim)
-{
-    if (prim >= scene->bounded_count)
-        return fabs((double)scene->planes[prim - scene->first[RB_PLANE]].distance);
-    float low[3], high[3];
-    double reach = 0.0;
-    rb_scene_bounds(scene, prim, low, high);
-    for (int k = 0; k < 3; k++)
-        reach = fmax(reach, fmax(fabs((double)low[k]), fabs((double)high[k])));
-    return reach;
-}
-
-// Building the tree: boxes around everything, halved at the median of the longest axis.
-struct build_item {
-    double low[3], high[3];
-    uint32_t prim;
-    double key;
-};
-
-static int compare_items(const void *a, const void *b)
-{
-    double x = ((const struct build_item *)a)->key, y = ((const struct build_item *)b)->key;
-    return (x > y) - (x < y);
-}
-
-static void set_bounds(struct ref_node *node, const struct build_item *items, uint32_t count)
-{
-    for (int k = 0; k < 3; k++) {
-        node->low[k] = HUGE_VAL, node->high[k] = -HUGE_VAL;
-        for (uint32_t i = 0; i < count; i++) {
-            node->low[k] = fmin(node->low[k], items[i].low[k]);
-            node->high[k] = fmax(node->high[k], items[i].high[k]);
-        }
-    }
-}
-
-static void build_node(struct ref_world *world, uint32_t index, struct build_item *items,
-                       uint32_t first, uint32_t count)
-{
-    struct ref_node *node = &world->nodes[index];
-    int axis = 0;
-    set_bounds(node, items + first, count);
-    for (int k = 1; k < 3; k++)
-        if (node->high[k] - node->low[k] > node->high[axis] - node->low[axis])
-            axis = k;
-    if (count <= LEAF_MAX) {
-        node->first = first, node->count = count;
-        return;
-    }
-    for (uint32_t i = first; i < first + count; i++)
-        items[i].key = items[i].low[axis] + items[i].high[axis];
-    qsort(items + first, count, sizeof *items, compare_items);
-    node->first = world->node_count, node->count = 0;
-    world->node_count += 2;
-    uint32_t half = count / 2, child = node->first;
-    build_node(world, child, items, first, half);
-    build_node(world, child + 1, items, first + half, count - half);
-}
-
-// The box of a primitive by its definition, not by rb_scene_bounds, which is under test.
-static void item_bounds(const struct rb_scene *scene, uint32_t prim, struct build_item *item)
-{
-    float low[3], high[3];
-    enum rb_kind kind = rb_scene_kind(scene, prim);
-    if (kind == RB_CONE) // wide enough: the kernels' box and its half again
-        rb_scene_bounds(scene, prim, low, high);
-    struct corners c;
-    if (kind == RB_TRIANGLE)
-        c = corners_of(scene, prim);
-    for (int k = 0; k < 3; k++) {
-        if (kind == RB_SPHERE) {
-            double r = fabs((double)scene->spheres[prim].radius);
-            item->low[k] = (double)scene->spheres[prim].center[k] - r;
-            item->high[k] = (double)scene->spheres[prim].center[k] + r;
-        } else if (kind == RB_TRIANGLE) {
-            item->low[k] = fmin(c.v[0][k], fmin(c.v[1][k], c.v[2][k]));
-            item->high[k] = fmax(c.v[0][k], fmax(c.v[1][k], c.v[2][k]));
-        } else {
-            double size = (double)high[k] - (double)low[k];
-            item->low[k] = (double)low[k] - 0.25 * size;
-            item->high[k] = (double)high[k] + 0.25 * size;
-        }
-    }
-    item->prim = prim;
-}
-
-bool ref_world_build(const struct rb_scene *scene, struct ref_world *world)
-{
-    uint32_t count = scene->bounded_count;
-    *world = (struct ref_world){.scene = scene};
-    struct build_item *items = calloc((size_t)count + 1, sizeof *items);
-    world->nodes = calloc(2 * (size_t)count + 1, sizeof *world->nodes);
-    world->refs = calloc((size_t)count + 1, sizeof *world->refs);
-    bool built = items && world->nodes && world->refs;
-    if (built && count) {
-        for (uint32_t i = 0; i < count; i++)
-            item_bounds(scene, i, &items[i]);
-        world->node_count = 1;
-        build_node(world, 0, items, 0, count);
-        for (uint32_t i = 0; i < count; i++)
-            world->refs[i] = items[i].prim;
-    }
-    free(items);
-    if (!built)
-        ref_world_free(world);
-    return built;
-}
-
-void ref_world_free(struct ref_world *world)
-{
-    free(world->nodes);
-    free(world->refs);
-    *world = (struct ref_world){0};
 }

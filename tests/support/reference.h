@@ -90,6 +90,9 @@ double ref_length(const double a[3]);
 void ref_cross(const double a[3], const double b[3], double out[3]);
 void ref_along(const double o[3], double t, const double d[3], double out[3]); // o + t d
 bool ref_normalize(double a[3]);
+void ref_subtract(const double a[3], const double b[3], double out[3]);
+void ref_widen(const float a[3], double out[3]);
+void ref_edge(const float a[3], const float b[3], double out[3]); // b - a
 
 // Random numbers: splitmix64.
 struct ref_random {

@@ -5,31 +5,15 @@
 // answer needs: how far, in ulps (2^-24 of the largest coordinate involved), the ray or the surface
 // would have to be moved to make the kernel's answer the exact one. Rates depend on how many rays a
 // class aims at places where nothing can be right; the displacement has a limit.
-#include "tests/support/reference.h"
-#include "accel/bvh.h"
 #include "render/queues.h"
 #include "render/variants.h"
-#include "scene/load.h"
+#include "tests/support/ray_classes.h"
 #include "tests/unit/tap.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { BATCH = 4096, KERNELS_MAX = 32 };
-
-static void give_up(const char *what)
-{
-    printf("Bail out! %s\n", what);
-    exit(1);
-}
-
-// A scene with everything that traces it.
-struct stage {
-    struct rb_scene scene;
-    struct rb_bvh bvh;
-    struct ref_world world;
-};
 
 static struct rb_queues queues;
 static const struct rb_kernels *kernels[KERNELS_MAX]; // distinct sets of the table
@@ -49,316 +33,12 @@ static void list_kernels(void)
     }
 }
 
-static void open_stage(struct stage *stage)
-{
-    struct rb_error error;
-    if (rb_bvh_build(&stage->scene, 1, &stage->bvh, &error) != RB_OK ||
-        !ref_world_build(&stage->scene, &stage->world))
-        give_up("no tree");
-}
-
-static void close_stage(struct stage *stage)
-{
-    rb_bvh_free(&stage->bvh);
-    ref_world_free(&stage->world);
-    rb_scene_free(&stage->scene);
-}
-
-// ---- scenes
-
-static struct rb_error failure;
-
-static void check(enum rb_status status)
-{
-    if (status != RB_OK)
-        give_up(failure.text);
-}
-
-static void begin_scene(struct rb_scene_builder *builder)
-{
-    *builder =
-        (struct rb_scene_builder){.camera = {{4, 3, 2}, {0, 0, 0}, {0, 0, 1}, 45.0, 0.01, 64, 64}};
-    check(rb_scene_add_light(builder, (const double[3]){-100, -100, 100},
-                             (const double[3]){1, 1, 1}, &failure));
-    check(rb_scene_add_material(builder, (const double[3]){1, 1, 1}, 0.5, 0.5, 10.0, 0.5, 1.2,
-                                &failure));
-}
-
-static void random_point(struct ref_random *random, double reach, double p[3])
-{
-    for (int k = 0; k < 3; k++)
-        p[k] = ref_between(random, -reach, reach);
-}
-
-// All kinds of primitives, of sizes from 0.01 to 1, within about 3 of `center`.
-static void build_soup(struct stage *stage, double center)
-{
-    struct ref_random random = {11};
-    struct rb_scene_builder builder;
-    begin_scene(&builder);
-    for (int i = 0; i < 40; i++) {
-        double size = pow(10.0, ref_between(&random, -2.0, 0.0)), p[3], v[3][3];
-        random_point(&random, 2.0, p);
-        for (int k = 0; k < 3; k++)
-            p[k] += center;
-        check(rb_scene_add_sphere(&builder, p, i % 5 ? size : -size, &failure));
-        for (int j = 0; j < 3; j++)
-            for (int k = 0; k < 3; k++)
-                v[j][k] = p[k] + ref_between(&random, -size, size) * 2.0;
-        check(rb_scene_add_triangle(
-            &builder, (const double(*)[3])v,
-            i % 4 ? NULL : (const double[3][3]){{1, 0, 0}, {1, 1, 0}, {1, 0, 1}}, &failure));
-        double sign = i % 6 ? 1.0 : -1.0;
-        check(rb_scene_add_cone(&builder, v[0], sign * size * ref_between(&random, 0.0, 0.5), v[1],
-                                i % 3 ? sign * size * 0.3 : 0.0, &failure));
-    }
-    double z = center - 4.0;
-    check(rb_scene_add_plane(&builder, (const double[3][3]){{0, 0, z}, {1, 0, z}, {0, 1, z}},
-                             &failure));
-    check(rb_scene_add_plane(&builder, (const double[3][3]){{z, 1, 0}, {0, z, 1}, {1, 2, z - 1}},
-                             &failure));
-    check(rb_scene_finish(&builder, &stage->scene, &failure));
-    open_stage(stage);
-}
-
-// Spheres of radius 0.001, 10 to 1000 away from `center` in all directions.
-static void build_tiny(struct stage *stage, double center)
-{
-    struct ref_random random = {12};
-    struct rb_scene_builder builder;
-    begin_scene(&builder);
-    for (int i = 0; i < 100; i++) {
-        double d[3], p[3], c[3] = {center, center, center};
-        ref_direction(&random, d);
-        ref_along(c, pow(10.0, ref_between(&random, 1.0, 3.0)), d, p);
-        check(rb_scene_add_sphere(&builder, p, 1e-3, &failure));
-    }
-    check(rb_scene_finish(&builder, &stage->scene, &failure));
-    open_stage(stage);
-}
-
-static void load_stage(struct stage *stage, const char *name)
-{
-    check(rb_scene_load(name, &(struct rb_nff_options){0}, &stage->scene, &failure));
-    open_stage(stage);
-}
-
-// ---- rays
-
-struct aim {
-    double o[3], target[3];
-};
-
-typedef void aim_fn(struct ref_random *random, const struct rb_scene *scene, struct aim *aim);
-
-static void widen(const float a[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = (double)a[k];
-}
-
-static void origin_near(struct ref_random *random, double reach, struct aim *aim)
-{
-    double d[3], o[3] = {aim->target[0], aim->target[1], aim->target[2]};
-    ref_direction(random, d);
-    ref_along(o, reach * ref_between(random, 0.1, 1.0), d, aim->o);
-}
-
-static const struct rb_triangle *any_triangle(struct ref_random *random,
-                                              const struct rb_scene *scene)
-{
-    return &scene->triangles[ref_below(random, scene->count[RB_TRIANGLE])];
-}
-
-static void blend(const struct rb_triangle *triangle, const double weight[3], double p[3])
-{
-    for (int k = 0; k < 3; k++)
-        p[k] = weight[0] * (double)triangle->v[0][k] + weight[1] * (double)triangle->v[1][k] +
-               weight[2] * (double)triangle->v[2][k];
-}
-
-static void aim_random(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    float low[3], high[3];
-    rb_scene_bounds(scene, ref_below(random, scene->bounded_count), low, high);
-    for (int k = 0; k < 3; k++)
-        aim->target[k] = ref_between(random, (double)low[k], (double)high[k]);
-    origin_near(random, 4.0, aim);
-}
-
-static void aim_edge(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    double s = ref_uniform(random), weight[3] = {s, 1.0 - s, 0.0};
-    blend(any_triangle(random, scene), weight, aim->target);
-    origin_near(random, 4.0, aim);
-}
-
-static void aim_midpoint(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    blend(any_triangle(random, scene), (const double[3]){0.0, 0.5, 0.5}, aim->target);
-    origin_near(random, 4.0, aim);
-}
-
-static void aim_vertex(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    widen(any_triangle(random, scene)->v[ref_below(random, 3)], aim->target);
-    origin_near(random, 4.0, aim);
-}
-
-// From where a light would stand: sqrt(3) 100 away.
-static void aim_far(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    (ref_below(random, 2) ? aim_vertex : aim_edge)(random, scene, aim);
-    for (int k = 0; k < 3; k++)
-        aim->o[k] = k == 2 ? 100.0 : -100.0;
-}
-
-// Nearly in the plane of a triangle: the sine of the angle is 1e-8 to 1e-2.
-static void aim_grazing(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    const struct rb_triangle *triangle = any_triangle(random, scene);
-    double a = ref_uniform(random), b = ref_uniform(random) * (1.0 - a), along[3], e[3], f[3], n[3];
-    blend(triangle, (const double[3]){a, b, 1.0 - a - b}, aim->target);
-    for (int k = 0; k < 3; k++) {
-        e[k] = (double)triangle->v[1][k] - (double)triangle->v[0][k];
-        f[k] = (double)triangle->v[2][k] - (double)triangle->v[0][k];
-        along[k] = ref_uniform(random) * e[k] - ref_uniform(random) * f[k];
-    }
-    ref_cross(e, f, n);
-    ref_normalize(n);
-    ref_normalize(along);
-    ref_along(along, pow(10.0, ref_between(random, -8.0, -2.0)), n, along);
-    ref_along(aim->target, ref_between(random, 0.1, 4.0), along, aim->o);
-}
-
-// Past a sphere at 1 +- 1e-8 to 1e-2 of its radius.
-static void aim_tangent(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    const struct rb_sphere *sphere = &scene->spheres[ref_below(random, scene->count[RB_SPHERE])];
-    double c[3], out[3], other[3], across[3];
-    double share = pow(10.0, ref_between(random, -8.0, -2.0)) * (ref_below(random, 2) ? 1.0 : -1.0);
-    widen(sphere->center, c);
-    ref_direction(random, out);
-    ref_direction(random, other);
-    ref_cross(out, other, across);
-    ref_normalize(across);
-    ref_along(c, fabs((double)sphere->radius) * (1.0 + share), out, aim->target);
-    ref_along(aim->target, ref_between(random, 0.1, 4.0), across, aim->o);
-}
-
-// From the middle of the scene at a disc a little larger than a sphere far away.
-static void aim_tiny(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    const struct rb_sphere *sphere = &scene->spheres[ref_below(random, scene->count[RB_SPHERE])];
-    double center = ref_reach(scene, 0) > 2000.0 ? 5000.0 : 0.0, offset[3];
-    widen(sphere->center, aim->target);
-    random_point(random, 1.1 * (double)sphere->radius, offset);
-    for (int k = 0; k < 3; k++) {
-        aim->o[k] = center + ref_between(random, -1.0, 1.0);
-        aim->target[k] += offset[k];
-    }
-}
-
-// Past or at a cone: its rims, its tip, its silhouette, its axis.
-static void aim_cone(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    const struct rb_cone *cone = &scene->cones[ref_below(random, scene->count[RB_CONE])];
-    static const double heights[5] = {0.0, 1.0, 0.5, 0.99, 0.25};
-    double axis[3], base[3], out[3], across[3];
-    double z = heights[ref_below(random, 5)] * (double)cone->height;
-    widen(cone->axis, axis);
-    widen(cone->base, base);
-    ref_direction(random, out);
-    ref_cross(axis, out, across);
-    ref_normalize(across);
-    ref_along(base, z, axis, aim->target);
-    double r = (double)cone->base_radius + (double)cone->slope * z;
-    ref_along(aim->target, r * (double)ref_below(random, 2), across, aim->target);
-    origin_near(random, 4.0, aim);
-    if (ref_below(random, 2)) // in the tangent plane
-        ref_along(aim->target, ref_between(random, 0.1, 4.0), out, aim->o);
-    if (ref_below(random, 8) == 0) // along the axis
-        ref_along(aim->target, ref_between(random, 0.1, 4.0), axis, aim->o);
-}
-
-// Starts inside a sphere or a cone.
-static void aim_inside(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    double d[3];
-    if (ref_below(random, 2)) {
-        const struct rb_sphere *sphere =
-            &scene->spheres[ref_below(random, scene->count[RB_SPHERE])];
-        widen(sphere->center, aim->o);
-        ref_direction(random, d);
-        ref_along(aim->o, 0.999999 * ref_uniform(random) * fabs((double)sphere->radius), d, aim->o);
-    } else {
-        const struct rb_cone *cone = &scene->cones[ref_below(random, scene->count[RB_CONE])];
-        double axis[3];
-        widen(cone->base, aim->o);
-        widen(cone->axis, axis);
-        ref_along(aim->o, ref_uniform(random) * (double)cone->height, axis, aim->o);
-    }
-    ref_direction(random, d);
-    ref_along(aim->o, 1.0, d, aim->target);
-}
-
-// Parallel to one axis or to the plane of two, zeros of both signs, often through a vertex.
-static void aim_axis(struct ref_random *random, const struct rb_scene *scene, struct aim *aim)
-{
-    (ref_below(random, 2) ? aim_vertex : aim_random)(random, scene, aim);
-    uint32_t axis = ref_below(random, 3), kept = ref_below(random, 3);
-    for (uint32_t k = 0; k < 3; k++) {
-        aim->target[k] = (double)(float)aim->target[k];
-        if (k != axis && k != kept)
-            aim->o[k] = aim->target[k];
-    }
-    if (aim->o[axis] == aim->target[axis])
-        aim->o[axis] += 1.0;
-}
-
-// Rounds an aim to a ray of the queue, as a camera would.
-static void push_ray(struct rb_rays *rays, const struct aim *aim, struct ref_random *random)
-{
-    uint32_t i = rays->count++;
-    float *o[3] = {&rays->ox[i], &rays->oy[i], &rays->oz[i]};
-    float *d[3] = {&rays->dx[i], &rays->dy[i], &rays->dz[i]};
-    double direction[3];
-    for (int k = 0; k < 3; k++) {
-        *o[k] = (float)aim->o[k];
-        direction[k] = aim->target[k] - (double)*o[k];
-    }
-    ref_normalize(direction);
-    for (int k = 0; k < 3; k++) {
-        *d[k] = (float)direction[k];
-        if (direction[k] == 0.0 && ref_below(random, 2))
-            *d[k] = -0.0f;
-    }
-    rays->weight[i] = 1.0f;
-    rays->pixel[i] = 0;
-    rays->path[i] = 1;
-    rays->self[i] = RB_NONE;
-    rays->media[i] = 0;
-}
-
-static struct ref_ray ref_ray_of(const struct rb_rays *rays, uint32_t i, bool one_sided)
-{
-    return (struct ref_ray){
-        .o = {(double)rays->ox[i], (double)rays->oy[i], (double)rays->oz[i]},
-        .d = {(double)rays->dx[i], (double)rays->dy[i], (double)rays->dz[i]},
-        .self = rays->self[i],
-        .one_sided = one_sided,
-    };
-}
-
-// ---- comparison
-
 // The smallest altitude of a triangle, capped at 1.
 static double altitude(const struct rb_triangle *triangle)
 {
     double e[3][3], n[3], longest = 0.0;
     for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++)
-            e[i][k] = (double)triangle->v[(i + 1) % 3][k] - (double)triangle->v[i][k];
+        ref_edge(triangle->v[i], triangle->v[(i + 1) % 3], e[i]);
         longest = fmax(longest, ref_length(e[i]));
     }
     ref_cross(e[0], e[1], n);
@@ -404,7 +84,8 @@ static void compare_hit(const struct rb_scene *scene, const struct ref_world *wo
                         const struct rb_rays *rays, const struct rb_hits *hits, uint32_t i,
                         bool one_sided, struct tally *tally)
 {
-    struct ref_ray ray = ref_ray_of(rays, i, one_sided);
+    struct ref_ray ray = stage_ray(rays, i);
+    ray.one_sided = one_sided;
     struct ref_hit exact = ref_closest(world, &ray);
     uint32_t prim = hits->prim[i];
     double t = (double)hits->t[i], off = 0.0;
@@ -429,7 +110,7 @@ static void compare_shadow(const struct rb_scene *scene, const struct ref_world 
                            const struct rb_rays *rays, const struct rb_shadows *shadows, uint32_t i,
                            struct tally *tally)
 {
-    struct ref_ray ray = ref_ray_of(rays, i, false);
+    struct ref_ray ray = stage_ray(rays, i);
     ray.shadow = true;
     double distance = (double)shadows->distance[i];
     bool exact = ref_occluded(world, &ray, distance);
@@ -470,7 +151,7 @@ static void fill_shadows(const struct rb_rays *rays, const struct rb_hits *hits,
 static uint64_t trace_all(const struct stage *stage, bool one_sided, const struct rb_rays *rays,
                           struct ref_random *random)
 {
-    struct rb_world world = {&stage->scene, &stage->bvh, one_sided};
+    struct rb_world world = stage->world;
     struct rb_hits *hits = &queues.hits;
     struct rb_shadows *shadows = &queues.shadows;
     static struct {
@@ -479,6 +160,7 @@ static uint64_t trace_all(const struct stage *stage, bool one_sided, const struc
         uint8_t occluded[BATCH];
     } first;
     uint64_t inexact = 0;
+    world.one_sided = one_sided;
     for (int k = kernel_count - 1; k >= 0; k--) {
         kernels[k]->trace(&world, rays, hits);
         if (k == kernel_count - 1)
@@ -497,17 +179,34 @@ static uint64_t trace_all(const struct stage *stage, bool one_sided, const struc
     return inexact;
 }
 
-// Cosine between a triangle's plane normal and a ray: seen edge-on, places on it mean little.
-static double edge_on(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray)
+// The displacement of a point that turns the normal by one radian: the radius of curvature, 1 for
+// what is flat; less on a triangle seen edge-on, where places mean little.
+static double radius_at(const struct rb_scene *scene, uint32_t prim, const struct ref_ray *ray,
+                        const double p[3])
 {
-    const float *n = scene->triangle_normals[prim - scene->first[RB_TRIANGLE]];
-    double normal[3];
-    widen(n, normal);
-    return fabs(ref_dot(normal, ray->d));
+    double normal[3], base[3], axis[3], l[3];
+    switch (rb_scene_kind(scene, prim)) {
+    case RB_SPHERE:
+        return fabs((double)scene->spheres[prim].radius);
+    case RB_TRIANGLE: {
+        uint32_t index = prim - scene->first[RB_TRIANGLE];
+        ref_widen(scene->triangle_normals[index], normal);
+        return fabs(ref_dot(normal, ray->d)) * altitude(&scene->triangles[index]);
+    }
+    case RB_CONE: {
+        const struct rb_cone *cone = &scene->cones[prim - scene->first[RB_CONE]];
+        ref_widen(cone->base, base);
+        ref_widen(cone->axis, axis);
+        ref_subtract(p, base, l);
+        ref_along(l, -ref_dot(l, axis), axis, l);
+        return ref_length(l);
+    }
+    default:
+        return 1.0;
+    }
 }
 
-// Normals of the surface kernel, as a displacement of the point: the angle off, times the radius of
-// curvature (1 for what is flat).
+// Normals of the surface kernel, as a displacement of the point.
 static void compare_normals(const struct rb_scene *scene, const struct rb_rays *rays,
                             const struct rb_hits *hits, const struct rb_surfaces *surfaces,
                             struct tally *tally)
@@ -516,28 +215,14 @@ static void compare_normals(const struct rb_scene *scene, const struct rb_rays *
         uint32_t prim = hits->prim[i];
         if (prim == RB_NONE)
             continue;
-        struct ref_ray ray = ref_ray_of(rays, i, false);
+        struct ref_ray ray = stage_ray(rays, i);
         double p[3], n[3],
             got[3] = {(double)surfaces->nx[s], (double)surfaces->ny[s], (double)surfaces->nz[s]};
         s++;
         ref_along(ray.o, (double)hits->t[i], ray.d, p);
         ref_normal(scene, prim, p, n);
-        double sign = ref_dot(n, got) < 0.0 ? 1.0 : -1.0, radius = 1.0;
-        ref_along(got, sign, n, n);
-        if (rb_scene_kind(scene, prim) == RB_SPHERE)
-            radius = fabs((double)scene->spheres[prim].radius);
-        if (rb_scene_kind(scene, prim) == RB_TRIANGLE)
-            radius = edge_on(scene, prim, &ray) *
-                     altitude(&scene->triangles[prim - scene->first[RB_TRIANGLE]]);
-        if (rb_scene_kind(scene, prim) == RB_CONE) {
-            const struct rb_cone *cone = &scene->cones[prim - scene->first[RB_CONE]];
-            double base[3], axis[3], l[3];
-            widen(cone->base, base);
-            widen(cone->axis, axis);
-            ref_along(p, -1.0, base, l);
-            ref_along(l, -ref_dot(l, axis), axis, l);
-            radius = ref_length(l);
-        }
+        ref_along(got, ref_dot(n, got) < 0.0 ? 1.0 : -1.0, n, n);
+        double radius = radius_at(scene, prim, &ray, p);
         double ulps = ref_length(n) * radius /
                       fmax(ulp_of(scene, &ray, (double)hits->t[i], prim, prim), 0x1p-24 * radius);
         tally->normal_ulps = fmax(tally->normal_ulps, ulps);
@@ -550,7 +235,6 @@ static void compare_normals(const struct rb_scene *scene, const struct rb_rays *
 static void spawn(const struct stage *stage, const struct rb_rays *rays, struct rb_rays *children,
                   struct tally *tally)
 {
-    struct rb_world world = {&stage->scene, &stage->bvh, false};
     struct rb_shading shading = {
         .light_scale = 1.0f, .light_samples = 1, .strata_x = 1, .strata_y = 1};
     struct rb_rays refracted = rb_rays_view(&queues.rays[1], BATCH, 0, BATCH);
@@ -558,7 +242,7 @@ static void spawn(const struct stage *stage, const struct rb_rays *rays, struct 
     struct rb_film film = {.rgb = rgb, .width = 1, .height = 1};
     *children = rb_rays_view(&queues.rays[1], 0, 0, BATCH);
     queues.surfaces.count = 0;
-    kernels[0]->surface(&world, &shading, rays, &queues.hits, &queues.surfaces, children,
+    kernels[0]->surface(&stage->world, &shading, rays, &queues.hits, &queues.surfaces, children,
                         &refracted, &film);
     compare_normals(&stage->scene, rays, &queues.hits, &queues.surfaces, tally);
     if (children->count > BATCH / 2)
@@ -572,19 +256,10 @@ static void compare_batch(const struct stage *stage, const struct rb_rays *rays,
                           struct tally *tally)
 {
     for (uint32_t i = 0; i < rays->count; i++) {
-        compare_hit(&stage->scene, &stage->world, rays, &queues.hits, i, one_sided, tally);
-        compare_shadow(&stage->scene, &stage->world, rays, &queues.shadows, i, tally);
+        compare_hit(&stage->scene, &stage->reference, rays, &queues.hits, i, one_sided, tally);
+        compare_shadow(&stage->scene, &stage->reference, rays, &queues.shadows, i, tally);
     }
 }
-
-// ---- classes
-
-struct ray_class {
-    const char *name;
-    aim_fn *aim;
-    int count;
-    bool one_sided, children; // children: the secondary rays of these rays instead
-};
 
 static void report(const char *scene, const char *name, const struct tally *t)
 {
@@ -599,12 +274,12 @@ static void run_class(const struct stage *stage, const char *scene, const struct
 {
     struct ref_random random = {1000};
     struct tally tally = {0};
-    for (int done = 0; done < class->count; done += BATCH) {
+    for (int batch = 0; batch < class->batches; batch++) {
         struct rb_rays rays = rb_rays_view(&queues.rays[0], 0, 0, BATCH);
         while (rays.count < BATCH) {
             struct aim aim;
             class->aim(&random, &stage->scene, &aim);
-            push_ray(&rays, &aim, &random);
+            aim_push(&rays, &aim, &random);
         }
         tally.inexact += trace_all(stage, class->one_sided, &rays, &random);
         struct rb_rays children;
@@ -624,51 +299,6 @@ static void run_class(const struct stage *stage, const char *scene, const struct
        ULPS_MAX);
 }
 
-static const struct ray_class soup_classes[] = {
-    {"random", aim_random, 3 * BATCH, false, false},
-    {"one-sided", aim_random, BATCH, true, false},
-    {"edges", aim_edge, 2 * BATCH, false, false},
-    {"edge midpoints", aim_midpoint, 2 * BATCH, false, false},
-    {"vertices", aim_vertex, 2 * BATCH, false, false},
-    {"far light", aim_far, 2 * BATCH, false, false},
-    {"grazing", aim_grazing, 2 * BATCH, false, false},
-    {"tangent", aim_tangent, 2 * BATCH, false, false},
-    {"cones", aim_cone, 2 * BATCH, false, false},
-    {"inside", aim_inside, 2 * BATCH, false, false},
-    {"axis-parallel", aim_axis, 2 * BATCH, false, false},
-    {"secondary", aim_random, 3 * BATCH, false, true},
-    {0},
-};
-static const struct ray_class mesh_classes[] = {
-    {"random", aim_random, BATCH, false, false},   {"edges", aim_edge, BATCH, false, false},
-    {"vertices", aim_vertex, BATCH, false, false}, {"far light", aim_far, BATCH, false, false},
-    {"grazing", aim_grazing, BATCH, false, false}, {"axis-parallel", aim_axis, BATCH, false, false},
-    {"secondary", aim_random, BATCH, false, true}, {0},
-};
-static const struct ray_class sphere_classes[] = {
-    {"random", aim_random, BATCH, false, false},
-    {"tangent", aim_tangent, BATCH, false, false},
-    {"secondary", aim_random, BATCH, false, true},
-    {0},
-};
-static const struct ray_class shifted_classes[] = {
-    {"random", aim_random, BATCH, false, false},
-    {"edges", aim_edge, BATCH, false, false},
-    {"vertices", aim_vertex, BATCH, false, false},
-    {"grazing", aim_grazing, BATCH, false, false},
-    {"tangent", aim_tangent, BATCH, false, false},
-    {"cones", aim_cone, BATCH, false, false},
-    {"inside", aim_inside, BATCH, false, false},
-    {"axis-parallel", aim_axis, BATCH, false, false},
-    {"secondary", aim_random, 2 * BATCH, false, true},
-    {0},
-};
-static const struct ray_class tiny_classes[] = {
-    {"tiny far spheres", aim_tiny, 2 * BATCH, false, false},
-    {"from them", aim_tiny, 2 * BATCH, false, true},
-    {0},
-};
-
 // The reference's tree must not change its answers.
 static void check_reference(const struct stage *stage, const char *name)
 {
@@ -682,10 +312,10 @@ static void check_reference(const struct stage *stage, const char *name)
         memcpy(ray.o, aim.o, sizeof ray.o);
         ref_along(aim.target, -1.0, aim.o, ray.d);
         struct ref_hit brute = ref_closest_brute(&stage->scene, &ray);
-        struct ref_hit tree = ref_closest(&stage->world, &ray);
+        struct ref_hit tree = ref_closest(&stage->reference, &ray);
         ray.shadow = true;
         wrong += brute.prim != tree.prim || brute.t != tree.t;
-        wrong += ref_occluded(&stage->world, &ray, HUGE_VAL) !=
+        wrong += ref_occluded(&stage->reference, &ray, HUGE_VAL) !=
                  (ref_closest_brute(&stage->scene, &ray).prim != RB_NONE);
     }
     ok(wrong == 0, "%s: the reference's tree agrees with its brute force", name);
@@ -696,22 +326,21 @@ static void check_reference(const struct stage *stage, const char *name)
 static void check_non_finite(const struct stage *stage)
 {
     static const float poisons[] = {NAN, -NAN, INFINITY, -INFINITY};
-    struct rb_world world = {&stage->scene, &stage->bvh, false};
     struct ref_random random = {3000};
     struct rb_rays rays = rb_rays_view(&queues.rays[0], 0, 0, BATCH);
     float *components[6] = {rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz};
     while (rays.count < 512) {
         struct aim aim;
         aim_random(&random, &stage->scene, &aim);
-        push_ray(&rays, &aim, &random);
+        aim_push(&rays, &aim, &random);
     }
     for (uint32_t i = 0; i < rays.count; i += 2)
         components[i / 2 % 6][i] = poisons[i / 12 % 4];
     for (int k = 0; k < kernel_count; k++) {
         int wrong = 0, hits = 0;
-        kernels[k]->trace(&world, &rays, &queues.hits);
+        kernels[k]->trace(&stage->world, &rays, &queues.hits);
         fill_shadows(&rays, &queues.hits, &random, &queues.shadows);
-        kernels[k]->trace_shadow(&world, &queues.shadows);
+        kernels[k]->trace_shadow(&stage->world, &queues.shadows);
         for (uint32_t i = 0; i < rays.count; i++) {
             wrong += i % 2 == 0 && (queues.hits.prim[i] != RB_NONE || queues.shadows.occluded[i] ||
                                     queues.hits.t[i] != INFINITY);
@@ -727,29 +356,27 @@ static void run_classes(struct stage *stage, const char *name, const struct ray_
     check_reference(stage, name);
     for (; class->name; class ++)
         run_class(stage, name, class);
-    close_stage(stage);
+    stage_close(stage);
 }
 
 int main(void)
 {
-    struct rb_error error;
     struct stage stage = {0};
-    if (rb_queues_alloc(&queues, BATCH, 2, &error) != RB_OK)
-        give_up("no memory");
+    stage_check(rb_queues_alloc(&queues, BATCH, 2, &stage_failure));
     list_kernels();
-    build_soup(&stage, 0.0);
+    stage_soup(&stage, 0.0);
     check_non_finite(&stage);
-    run_classes(&stage, "soup", soup_classes);
-    build_soup(&stage, 1000.0);
-    run_classes(&stage, "soup+1000", shifted_classes);
-    build_tiny(&stage, 0.0);
-    run_classes(&stage, "tiny", tiny_classes);
-    build_tiny(&stage, 5000.0);
-    run_classes(&stage, "tiny+5000", tiny_classes);
-    load_stage(&stage, "mount3");
-    run_classes(&stage, "mount3", mesh_classes);
-    load_stage(&stage, "balls2");
-    run_classes(&stage, "balls2", sphere_classes);
+    run_classes(&stage, "soup", ray_classes_soup);
+    stage_soup(&stage, 1000.0);
+    run_classes(&stage, "soup+1000", ray_classes_shifted);
+    stage_tiny(&stage, 0.0);
+    run_classes(&stage, "tiny", ray_classes_tiny);
+    stage_tiny(&stage, 5000.0);
+    run_classes(&stage, "tiny+5000", ray_classes_tiny);
+    stage_load(&stage, "mount3");
+    run_classes(&stage, "mount3", ray_classes_mesh);
+    stage_load(&stage, "balls2");
+    run_classes(&stage, "balls2", ray_classes_spheres);
     rb_queues_free(&queues);
     return done();
 }
