@@ -41,8 +41,14 @@ endif
 # One word per step, none under make -s.
 say      := $(if $(findstring s,$(firstword -$(MAKEFLAGS))),@:,@echo)
 
+# Kernel files that are compiled a second time for AVX2 (no FMA: exactness).
+ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine)),)
+AVX2     := packet
+endif
+$(B)/src/kernels/packet.avx2.o: ISA := -mavx2 -DRB_PACKET=rb_kernels_packet_avx2
+
 LIB_SRC  := $(sort $(wildcard src/*/*.c bench/*.c))
-LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o)
+LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o) $(AVX2:%=$(B)/src/kernels/%.avx2.o)
 UNIT_SRC := $(sort $(wildcard tests/unit/*.c))
 UNIT     := $(UNIT_SRC:%.c=$(B)/%)
 TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
@@ -106,6 +112,11 @@ $(B)/tests/unit/%: $(B)/tests/unit/%.o $(TEST_OBJ) $(B)/libraybench.a
 $(FUZZ_REPLAY): $(B)/tests/fuzz/fuzz_nff.o $(B)/tests/fuzz/replay.o $(B)/libraybench.a
 	$(say) "  link $@"
 	@$(CC) $(LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+$(B)/%.avx2.o: %.c $(B)/flags
+	@mkdir -p $(@D)
+	$(say) "  cc   $< $(ISA)"
+	@$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(ISA) -c -o $@ $<
 
 $(B)/%.o: %.c $(B)/flags
 	@mkdir -p $(@D)

@@ -1,6 +1,7 @@
 // The command line: picks the sub-command, and keeps the promises that hold for all of them (exit
 // codes, no half-written file after a signal, no lost output).
 #define _POSIX_C_SOURCE 200809L
+#include "base/cpu.h"
 #include "base/file.h"
 #include "bench/bench.h"
 #include "cli/commands.h"
@@ -80,6 +81,9 @@ static int dispatch(const struct rb_command *command, int count, char **words)
 
 static int run(int argc, char **argv)
 {
+    struct rb_error error = {0};
+    if (rb_cpu_check_disabled(&error))
+        return rb_report(RB_INVALID, &error);
     const char *name = argc > 1 ? argv[1] : "";
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
         print_help();

@@ -74,8 +74,8 @@ struct rb_pixel_observer {
     void (*ray)(void *user, const struct rb_pixel_ray *ray);
     void (*shadow)(void *user, const struct rb_pixel_ray *ray,
                    const struct rb_pixel_shadow *shadow);
-    // Then what the ray itself adds to its sample of the pixel: its weight times background or local
-    // colour.
+    // Then what the ray itself adds to its sample of the pixel: its weight times background or
+    // local colour.
     void (*local)(void *user, const struct rb_pixel_ray *ray, const float added[3]);
 };
 

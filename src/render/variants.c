@@ -1,9 +1,22 @@
 #include "render/variants.h"
 
+#include "base/cpu.h"
+
 #include <stddef.h>
 #include <string.h>
 
 #define OPENMP "OpenMP"
+
+#ifdef __x86_64__
+#define X86(kernels)  (&(kernels))
+#define NEON(kernels) NULL
+#elif defined(__aarch64__)
+#define X86(kernels)  NULL
+#define NEON(kernels) (&(kernels))
+#else
+#define X86(kernels)  NULL
+#define NEON(kernels) NULL
+#endif
 
 const struct rb_variant rb_variants[] = {
     {
@@ -46,6 +59,66 @@ const struct rb_variant rb_variants[] = {
         .needs = OPENMP,
         .exact = true,
     },
+    {
+        .name = "packet-sse2",
+        .summary = "packets of 4 rays through the binary BVH",
+        .baseline = "bvh",
+        .kernels = X86(rb_kernels_packet_sse2),
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_serial,
+        .needs = "sse2",
+        .exact = true,
+    },
+    {
+        .name = "packet-sse2+omp",
+        .summary = "packet-sse2, tiles shared among threads",
+        .baseline = "packet-sse2",
+        .kernels = X86(rb_kernels_packet_sse2),
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_openmp,
+        .needs = "sse2," OPENMP,
+        .exact = true,
+    },
+    {
+        .name = "packet-neon",
+        .summary = "packets of 4 rays through the binary BVH",
+        .baseline = "bvh",
+        .kernels = NEON(rb_kernels_packet_neon),
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_serial,
+        .needs = "neon",
+        .exact = true,
+    },
+    {
+        .name = "packet-neon+omp",
+        .summary = "packet-neon, tiles shared among threads",
+        .baseline = "packet-neon",
+        .kernels = NEON(rb_kernels_packet_neon),
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_openmp,
+        .needs = "neon," OPENMP,
+        .exact = true,
+    },
+    {
+        .name = "packet-avx2",
+        .summary = "packets of 8 rays through the binary BVH",
+        .baseline = "bvh",
+        .kernels = X86(rb_kernels_packet_avx2),
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_serial,
+        .needs = "avx2",
+        .exact = true,
+    },
+    {
+        .name = "packet-avx2+omp",
+        .summary = "packet-avx2, tiles shared among threads",
+        .baseline = "packet-avx2",
+        .kernels = X86(rb_kernels_packet_avx2),
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_openmp,
+        .needs = "avx2," OPENMP,
+        .exact = true,
+    },
     {.name = NULL},
 };
 
@@ -57,14 +130,27 @@ const struct rb_variant *rb_variant_find(const char *name)
     return NULL;
 }
 
+static bool have(const char *what, int length)
+{
+    if (length == (int)strlen(OPENMP) && memcmp(what, OPENMP, strlen(OPENMP)) == 0) {
+#ifdef _OPENMP
+        return true;
+#else
+        return false;
+#endif
+    }
+    return rb_cpu_has(what, length);
+}
+
 bool rb_variant_available(const struct rb_variant *variant)
 {
-#ifdef _OPENMP
-    (void)variant;
-    return true;
-#else
-    return strcmp(variant->needs, OPENMP) != 0;
-#endif
+    bool available = variant->kernels != NULL;
+    for (const char *item = variant->needs; *item;) {
+        int length = (int)strcspn(item, ",");
+        available = available && have(item, length);
+        item += length + (item[length] == ',');
+    }
+    return available;
 }
 
 bool rb_variant_parallel(const struct rb_variant *variant)

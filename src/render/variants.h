@@ -25,10 +25,10 @@ struct rb_variant {
     const char *name;     // ends the table if NULL
     const char *summary;  // one line
     const char *baseline; // row that this one is compared with; its own name for the reference
-    const struct rb_kernels *kernels;
+    const struct rb_kernels *kernels; // NULL if not part of a build for this processor
     enum rb_accelerator accelerator;
     rb_schedule_fn *schedule;
-    const char *needs; // what the machine or the build must have, "" for nothing
+    const char *needs; // what machine and build must have: "", or a list such as "avx2,OpenMP"
     bool exact;        // agrees with the reference bit for bit
 };
 

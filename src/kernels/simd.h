@@ -1,0 +1,198 @@
+// Vectors of RB_LANES floats, for kernels that are compiled once per instruction set. Written with
+// the vector extensions of gcc and clang, whose operators are the IEEE operations lane by lane;
+// only what they lack is an intrinsic, with a loop where there is none.
+//
+// The object's -m flags decide the width: 8 lanes with AVX2, else 4.
+#ifndef RB_KERNELS_SIMD_H
+#define RB_KERNELS_SIMD_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+#ifdef __AVX2__
+enum { RB_LANES = 8 };
+#else
+enum { RB_LANES = 4 };
+#endif
+
+typedef float vfloat __attribute__((vector_size(4 * RB_LANES)));
+typedef int32_t vint __attribute__((vector_size(4 * RB_LANES))); // integers, and masks of -1 and 0
+
+static inline vfloat vf_set(float x)
+{
+    return x - (vfloat){0}; // x - 0 is x, signed zeros included
+}
+
+static inline vint vi_set(uint32_t x)
+{
+    return (int32_t)x - (vint){0};
+}
+
+static inline vfloat vf_load(const float *from)
+{
+    vfloat v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+static inline vint vi_load(const uint32_t *from)
+{
+    vint v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+static inline void vf_store(float *to, vfloat v)
+{
+    memcpy(to, &v, sizeof v);
+}
+
+static inline void vi_store(uint32_t *to, vint v)
+{
+    memcpy(to, &v, sizeof v);
+}
+
+static inline vint vi_select(vint mask, vint a, vint b)
+{
+    return (mask & a) | (~mask & b);
+}
+
+static inline vfloat vf_select(vint mask, vfloat a, vfloat b)
+{
+    return (vfloat)vi_select(mask, (vint)a, (vint)b);
+}
+
+static inline vfloat vf_abs(vfloat a)
+{
+    return (vfloat)((vint)a & vi_set(0x7fffffff));
+}
+
+// As rb_min, rb_max, sqrtf: a < b ? a : b lane by lane, and the correctly rounded root. vi_bits has
+// bit i set if lane i of the mask is.
+#if defined(__AVX2__)
+static inline vfloat vf_min(vfloat a, vfloat b)
+{
+    return _mm256_min_ps(a, b);
+}
+
+static inline vfloat vf_max(vfloat a, vfloat b)
+{
+    return _mm256_max_ps(a, b);
+}
+
+static inline vfloat vf_sqrt(vfloat a)
+{
+    return _mm256_sqrt_ps(a);
+}
+
+static inline unsigned vi_bits(vint mask)
+{
+    return (unsigned)_mm256_movemask_ps((vfloat)mask);
+}
+#elif defined(__SSE2__)
+static inline vfloat vf_min(vfloat a, vfloat b)
+{
+    return _mm_min_ps(a, b);
+}
+
+static inline vfloat vf_max(vfloat a, vfloat b)
+{
+    return _mm_max_ps(a, b);
+}
+
+static inline vfloat vf_sqrt(vfloat a)
+{
+    return _mm_sqrt_ps(a);
+}
+
+static inline unsigned vi_bits(vint mask)
+{
+    return (unsigned)_mm_movemask_ps((vfloat)mask);
+}
+#else
+static inline vfloat vf_min(vfloat a, vfloat b)
+{
+    return vf_select(a < b, a, b);
+}
+
+static inline vfloat vf_max(vfloat a, vfloat b)
+{
+    return vf_select(a > b, a, b);
+}
+
+static inline vfloat vf_sqrt(vfloat a)
+{
+    for (int i = 0; i < RB_LANES; i++)
+        a[i] = sqrtf(a[i]);
+    return a;
+}
+
+static inline unsigned vi_bits(vint mask)
+{
+    unsigned bits = 0;
+    for (int i = 0; i < RB_LANES; i++)
+        bits |= (mask[i] ? 1u : 0u) << i;
+    return bits;
+}
+#endif
+
+static inline int vi_any(vint mask)
+{
+    return vi_bits(mask) != 0;
+}
+
+// The first `count` lanes.
+static inline vint vi_first(uint32_t count)
+{
+    vint lane;
+    for (int i = 0; i < RB_LANES; i++)
+        lane[i] = i;
+    return lane < vi_set(count);
+}
+
+// Three-vectors, as base/vec.h.
+struct vvec {
+    vfloat x, y, z;
+};
+
+static inline struct vvec vv_set(const float a[3])
+{
+    return (struct vvec){vf_set(a[0]), vf_set(a[1]), vf_set(a[2])};
+}
+
+static inline struct vvec vv_sub(struct vvec a, struct vvec b)
+{
+    return (struct vvec){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline struct vvec vv_mad(struct vvec a, vfloat s, struct vvec b)
+{
+    return (struct vvec){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+
+static inline vfloat vv_dot(struct vvec a, struct vvec b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline struct vvec vv_cross(struct vvec a, struct vvec b)
+{
+    return (struct vvec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline vfloat vv_reach(struct vvec a)
+{
+    return vf_max(vf_abs(a.x), vf_max(vf_abs(a.y), vf_abs(a.z)));
+}
+
+static inline vint vv_finite(struct vvec a)
+{
+    return a.x * 0.0f + a.y * 0.0f + a.z * 0.0f == 0.0f;
+}
+
+#endif
