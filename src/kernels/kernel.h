@@ -186,4 +186,10 @@ static inline void rb_film_add(struct rb_film *film, uint32_t pixel, float r, fl
     sum[2] += rb_film_fixed(b, film->limit);
 }
 
+static inline void rb_film_add_scaled(struct rb_film *film, uint32_t pixel, float weight,
+                                      const float color[3])
+{
+    rb_film_add(film, pixel, weight * color[0], weight * color[1], weight * color[2]);
+}
+
 #endif

@@ -7,6 +7,9 @@
 // Compiled once per instruction set (Makefile); the object's name of the kernel set comes with it.
 #include "accel/bvh.h"
 #include "kernels/intersect.h"
+#include "kernels/packet_generate.h"
+#include "kernels/packet_light.h"
+#include "kernels/packet_surface.h"
 #include "kernels/simd.h"
 
 #ifndef RB_PACKET
@@ -21,10 +24,10 @@ static rb_trace_fn trace;
 static rb_trace_shadow_fn trace_shadow;
 
 const struct rb_kernels RB_PACKET = {
-    .generate = rb_scalar_generate,
+    .generate = generate,
     .trace = trace,
-    .surface = rb_scalar_surface,
-    .light = rb_scalar_light,
+    .surface = surface,
+    .light = light,
     .trace_shadow = trace_shadow,
 };
 

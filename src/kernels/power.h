@@ -8,6 +8,18 @@
 #include <stdint.h>
 #include <string.h>
 
+// The two polynomials, for floats and for vectors of floats.
+#define RB_LOG2_SERIES(z)                                                                          \
+    (2.88539008f +                                                                                 \
+     (z) * (0.961796694f + (z) * (0.577078016f + (z) * (0.412198583f + (z)*0.320598898f))))
+#define RB_EXP2_SERIES(f)                                                                          \
+    (1.0f + (f) * (0.693147181f +                                                                  \
+                   (f) * (0.240226507f +                                                           \
+                          (f) * (0.0555041087f +                                                   \
+                                 (f) * (0.00961812911f +                                           \
+                                        (f) * (0.00133335581f +                                    \
+                                               (f) * (1.54035304e-4f + (f)*1.52527338e-5f)))))))
+
 // log2 of a normal positive x. x = 2^e m with m in [sqrt(1/2), sqrt(2)); with s = (m - 1) / (m +
 // 1), |s| < 0.172, log2 m = 2/ln 2 (s + s^3/3 + s^5/5 + ...). Cut after s^9 the relative error is
 // 2e-9, below that of single precision.
@@ -21,30 +33,23 @@ static inline float rb_log2(float x)
     float m;
     memcpy(&m, &mantissa_bits, sizeof m);
     float s = (m - 1.0f) / (m + 1.0f), z = s * s;
-    float series = 2.88539008f +
-                   z * (0.961796694f + z * (0.577078016f + z * (0.412198583f + z * 0.320598898f)));
-    return (float)exponent + s * series;
+    return (float)exponent + s * RB_LOG2_SERIES(z);
 }
+
+// 1.5 * 2^23: adding it and taking it away again rounds to an integer.
+#define RB_ROUND 12582912.0f
 
 // 2^y for y <= 0; 0 below 2^-126. y = n + f with |f| <= 1/2; 2^f by its Taylor series, whose 8th
 // term is 5e-9.
 static inline float rb_exp2(float y)
 {
-    const float round = 12582912.0f; // 1.5 * 2^23: adding it rounds to an integer
-    float n = (y + round) - round, f = y - n;
-    float series =
-        1.0f +
-        f * (0.693147181f +
-             f * (0.240226507f +
-                  f * (0.0555041087f +
-                       f * (0.00961812911f +
-                            f * (0.00133335581f + f * (1.54035304e-4f + f * 1.52527338e-5f))))));
+    float n = (y + RB_ROUND) - RB_ROUND, f = y - n;
     if (!(y >= -126.0f))
         return 0.0f;
     int32_t bits = ((int32_t)n + 127) * 0x800000;
     float scale;
     memcpy(&scale, &bits, sizeof scale);
-    return scale * series;
+    return scale * RB_EXP2_SERIES(f);
 }
 
 // x^n for n >= 0; x is limited to [0, 1]. 0^0 is 1.

@@ -15,13 +15,8 @@ static void generate_ray(const struct rb_view *view, int x, int y, uint32_t samp
 {
     uint32_t pixel = (uint32_t)y * (uint32_t)view->width + (uint32_t)x;
     float sx = view->center, sy = view->center;
-    if (view->aa > 1) {
-        float n = (float)view->aa;
-        float a = rb_random(view->seed, pixel, sample, 1, RB_DIMENSION_PIXEL);
-        float b = rb_random(view->seed, pixel, sample, 1, RB_DIMENSION_PIXEL + 1);
-        sx = ((float)(sample % view->aa) + a) / n;
-        sy = ((float)(sample / view->aa) + b) / n;
-    }
+    if (view->aa > 1)
+        rb_pixel_place(view, pixel, sample, &sx, &sy);
     struct rb_vec d = rb_vec_mad(rb_vec_of(view->corner), (float)x + sx, rb_vec_of(view->right));
     d = rb_vec_mad(d, (float)y + sy, rb_vec_of(view->down));
     uint32_t i = append_ray(out, rb_vec_of(view->from), rb_normalize(d));
@@ -128,17 +123,14 @@ void rb_scalar_surface(const struct rb_world *world, const struct rb_shading *sh
     for (uint32_t i = 0; i < rays->count; i++) {
         float weight = rays->weight[i];
         if (hits->prim[i] == RB_NONE) {
-            rb_film_add(film, rays->pixel[i], weight * scene->background[0],
-                        weight * scene->background[1], weight * scene->background[2]);
+            rb_film_add_scaled(film, rays->pixel[i], weight, scene->background);
             continue;
         }
         struct surface surface = surface_of_hit(scene, rays, hits, i);
         append_surface(surfaces, &surface, scene, rays, i);
         if (shading->ambient != 0.0f) {
             float ambient = weight * (shading->ambient * surface.material->kd);
-            const float *color = surface.material->color;
-            rb_film_add(film, rays->pixel[i], ambient * color[0], ambient * color[1],
-                        ambient * color[2]);
+            rb_film_add_scaled(film, rays->pixel[i], ambient, surface.material->color);
         }
         if (reflected)
             spawn(scene, &surface, rays, i, reflected, refracted);

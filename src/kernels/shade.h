@@ -21,6 +21,17 @@
 // Dimensions of the random numbers of a path: two for the place in the pixel, two per light sample.
 enum { RB_DIMENSION_PIXEL = 0, RB_DIMENSION_LIGHT = 2 };
 
+// Where in its pixel AA sample `sample` lies, within [0, 1) squared.
+static inline void rb_pixel_place(const struct rb_view *view, uint32_t pixel, uint32_t sample,
+                                  float *x, float *y)
+{
+    float n = (float)view->aa;
+    float a = rb_random(view->seed, pixel, sample, 1, RB_DIMENSION_PIXEL);
+    float b = rb_random(view->seed, pixel, sample, 1, RB_DIMENSION_PIXEL + 1);
+    *x = ((float)(sample % view->aa) + a) / n;
+    *y = ((float)(sample / view->aa) + b) / n;
+}
+
 // A point on the geometry, before it knows where the ray came from.
 struct rb_point {
     struct rb_vec p;         // on the surface

@@ -141,18 +141,26 @@ static inline unsigned vi_bits(vint mask)
 }
 #endif
 
+#define VI_ALL_BITS ((1u << RB_LANES) - 1)
+
 static inline int vi_any(vint mask)
 {
     return vi_bits(mask) != 0;
 }
 
+// 0, 1, 2, ...
+static inline vint vi_lanes(void)
+{
+    vint lanes;
+    for (int i = 0; i < RB_LANES; i++)
+        lanes[i] = i;
+    return lanes;
+}
+
 // The first `count` lanes.
 static inline vint vi_first(uint32_t count)
 {
-    vint lane;
-    for (int i = 0; i < RB_LANES; i++)
-        lane[i] = i;
-    return lane < vi_set(count);
+    return vi_lanes() < vi_set(count < RB_LANES ? count : RB_LANES);
 }
 
 // Three-vectors, as base/vec.h.
