@@ -41,14 +41,15 @@ endif
 # One word per step, none under make -s.
 say      := $(if $(findstring s,$(firstword -$(MAKEFLAGS))),@:,@echo)
 
-# Kernel files that are compiled a second time for AVX2 (no FMA: exactness).
+# Kernel files that are compiled again for wider vectors, FILE.ISA; never with FMA: exactness.
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine)),)
-AVX2     := packet
+WIDE     := packet.avx2 packet.avx512
 endif
-$(B)/src/kernels/packet.avx2.o: ISA := -mavx2 -DRB_PACKET=rb_kernels_packet_avx2
+%packet.avx2.o: ISA := -mavx2 -DRB_PACKET=rb_kernels_packet_avx2
+%packet.avx512.o: ISA := -mavx512f -DRB_PACKET=rb_kernels_packet_avx512
 
 LIB_SRC  := $(sort $(wildcard src/*/*.c bench/*.c))
-LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o) $(AVX2:%=$(B)/src/kernels/%.avx2.o)
+LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o) $(WIDE:%=$(B)/src/kernels/%.o)
 UNIT_SRC := $(sort $(wildcard tests/unit/*.c))
 UNIT     := $(UNIT_SRC:%.c=$(B)/%)
 TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
@@ -113,15 +114,17 @@ $(FUZZ_REPLAY): $(B)/tests/fuzz/fuzz_nff.o $(B)/tests/fuzz/replay.o $(B)/librayb
 	$(say) "  link $@"
 	@$(CC) $(LINK) $(LDFLAGS) -o $@ $^ $(LIBS)
 
+define compile
+@mkdir -p $(@D)
+$(say) "  cc   $< $(ISA)"
+@$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(ISA) -c -o $@ $<
+endef
 $(B)/%.avx2.o: %.c $(B)/flags
-	@mkdir -p $(@D)
-	$(say) "  cc   $< $(ISA)"
-	@$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(ISA) -c -o $@ $<
-
+	$(compile)
+$(B)/%.avx512.o: %.c $(B)/flags
+	$(compile)
 $(B)/%.o: %.c $(B)/flags
-	@mkdir -p $(@D)
-	$(say) "  cc   $<"
-	@$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) -c -o $@ $<
+	$(compile)
 
 # Rewritten only when compiler or flags change, so that they rebuild everything.
 $(B)/flags: force

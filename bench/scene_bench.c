@@ -134,6 +134,8 @@ static void time_rounds(struct rb_scene_bench *bench, double budget_s)
 static enum rb_status list_rows(struct rb_scene_bench *bench, struct rb_error *error)
 {
     for (const struct rb_variant *v = rb_variants; v->name && bench->row_count < RB_ROWS_MAX; v++) {
+        if (v->best_of) // measured under its own name
+            continue;
         struct rb_row *row = &bench->rows[bench->row_count++];
         row->variant = v;
         row->state = rb_variant_available(v) ? RB_ROW_MEASURED : RB_ROW_UNAVAILABLE;

@@ -15,7 +15,7 @@ static const char *format_ms(double ns, char text[24])
 static void print_frame(const struct rb_scene_bench *bench, const struct rb_row *row)
 {
     const struct rb_row *base = rb_scene_bench_row(bench, row->variant->baseline);
-    printf("  %-12s ", row->variant->name);
+    printf("  %-18s ", row->variant->name);
     if (!rb_row_has_time(row)) {
         bool invalid = row->state == RB_ROW_INVALID;
         printf("%7s   %s %s\n", "-", invalid ? "INVALID: differs from" : "unavailable: needs",
@@ -52,7 +52,7 @@ static void print_ray_counts(const struct rb_scene_bench *bench, int bounces)
         enum rb_stage stage;
     } lines[] = {{"rays traced", RB_STAGE_TRACE}, {"shadow rays", RB_STAGE_TRACE_SHADOW}};
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
-        printf("  %-27s", lines[i].name);
+        printf("  %-33s", lines[i].name);
         for (int bounce = 0; bounce < bounces; bounce++)
             printf(" %9" PRIu64, bench->frame.tally[lines[i].stage][bounce].rays);
         printf("\n");
@@ -62,7 +62,7 @@ static void print_ray_counts(const struct rb_scene_bench *bench, int bounces)
 static void print_grid(const struct rb_row *row, int bounces)
 {
     for (int stage = 0; stage < RB_KERNEL_COUNT; stage++) {
-        printf("  %-12s %-14s", stage ? "" : row->variant->name, rb_stage_names[stage]);
+        printf("  %-18s %-14s", stage ? "" : row->variant->name, rb_stage_names[stage]);
         for (int bounce = 0; bounce < bounces; bounce++) {
             double ns = rb_row_cell(row, (enum rb_stage)stage, bounce).value;
             if (isfinite(ns))
@@ -83,12 +83,12 @@ void rb_table_print(const struct rb_scene_bench *bench)
     printf("  hits and image of all rows agree with %s on %" PRIu32 " of %" PRIu32 " tiles%s\n",
            rb_variants[0].name, bench->tiles.group_count * bench->tiles.group_size,
            bench->tiles.total, bench->mismatch ? ", except the rows marked INVALID" : "");
-    printf("\n  %-12s %7s %16s  %-22s %8s  %s\n", "variant", "threads", "ms/frame", "95 % interval",
+    printf("\n  %-18s %7s %16s  %-22s %8s  %s\n", "variant", "threads", "ms/frame", "95 % interval",
            "Mrays/s", "speed-up");
     for (int i = 0; i < bench->row_count; i++)
         print_frame(bench, &bench->rows[i]);
 
-    printf("\n  %-12s %-14s", "ns per ray", "bounce");
+    printf("\n  %-18s %-14s", "ns per ray", "bounce");
     for (int bounce = 0; bounce < bounces; bounce++)
         printf(" %9d", bounce);
     printf("\n");

@@ -13,8 +13,18 @@ static bool has_avx2(void)
 {
     return __builtin_cpu_supports("avx2"); // asks the operating system as well
 }
+
+static bool has_avx512f(void)
+{
+    return __builtin_cpu_supports("avx512f");
+}
 #else
 static bool has_sse2(void)
+{
+    return false;
+}
+
+static bool has_avx512f(void)
 {
     return false;
 }
@@ -37,7 +47,8 @@ static bool has_neon(void)
 static const struct feature {
     const char *name;
     bool (*present)(void);
-} features[] = {{"sse2", has_sse2}, {"avx2", has_avx2}, {"neon", has_neon}};
+} features[] = {
+    {"sse2", has_sse2}, {"avx2", has_avx2}, {"avx512f", has_avx512f}, {"neon", has_neon}};
 
 enum { FEATURE_COUNT = sizeof features / sizeof *features };
 
@@ -72,7 +83,7 @@ enum rb_status rb_cpu_check_disabled(struct rb_error *error)
         if (!find(item, length))
             return rb_error_set(
                 error, RB_INVALID,
-                "RAYBENCH_CPU_DISABLE: there is no feature '%.*s' (sse2, avx2, neon)",
+                "RAYBENCH_CPU_DISABLE: there is no feature '%.*s' (sse2, avx2, avx512f, neon)",
                 (int)(length < 40 ? length : 40), item);
     }
     return RB_OK;

@@ -8,8 +8,9 @@
 #include <stdbool.h>
 
 // Checks RAYBENCH_CPU_DISABLE, a comma-separated list of features to do without, so that every
-// level can be tested on one machine: sse2, avx2, neon. RB_INVALID for a name nobody knows. Call it
-// before the first rb_cpu_has; an unchecked list with unknown names disables what it can.
+// level can be tested on one machine: sse2, avx2, avx512f, neon. RB_INVALID for a name nobody
+// knows. Call it before the first rb_cpu_has; an unchecked list with unknown names disables what it
+// can.
 enum rb_status rb_cpu_check_disabled(struct rb_error *error);
 
 // Does the processor (and the operating system) have this feature, and is it not disabled? False

@@ -30,15 +30,20 @@ static void list_variants(bool json)
         printf("[\n");
     for (const struct rb_variant *v = rb_variants; v->name; v++) {
         bool available = rb_variant_available(v);
+        const char *stands_for = available ? rb_variant_resolve(v)->name : v->name;
         if (json)
             printf("  {\"name\": \"%s\", \"available\": %s, \"needs\": \"%s\", \"baseline\": "
-                   "\"%s\", \"exact\": %s, \"summary\": \"%s\"}%s\n",
+                   "\"%s\", \"exact\": %s, \"summary\": \"%s\", \"is\": \"%s\"}%s\n",
                    v->name, available ? "true" : "false", v->needs, v->baseline,
-                   v->exact ? "true" : "false", v->summary, v[1].name ? "," : "");
+                   v->exact ? "true" : "false", v->summary, stands_for, v[1].name ? "," : "");
         else
-            printf("%-12s %-14s %s\n", v->name, available ? "" : "unavailable", v->summary);
+            printf("%-18s %-12s %s", v->name, available ? "" : "unavailable", v->summary);
         if (!json && !available)
-            printf("%-12s needs %s\n", "", v->needs);
+            printf("; needs %s", v->needs);
+        if (!json && v->best_of && available)
+            printf(": here %s", stands_for);
+        if (!json)
+            printf("\n");
     }
     if (json)
         printf("]\n");

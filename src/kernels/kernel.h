@@ -159,6 +159,7 @@ extern const struct rb_kernels rb_kernels_naive;
 extern const struct rb_kernels rb_kernels_bvh;
 extern const struct rb_kernels rb_kernels_packet_sse2; // one source, an object per instruction set;
 extern const struct rb_kernels rb_kernels_packet_avx2; // those of other processors are not linked
+extern const struct rb_kernels rb_kernels_packet_avx512;
 extern const struct rb_kernels rb_kernels_packet_neon;
 
 // The scalar bodies that sets without a better one share (scalar.c).

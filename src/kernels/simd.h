@@ -2,7 +2,8 @@
 // the vector extensions of gcc and clang, whose operators are the IEEE operations lane by lane;
 // only what they lack is an intrinsic, with a loop where there is none.
 //
-// The object's -m flags decide the width: 8 lanes with AVX2, else 4.
+// The object's -m flags decide the width: 16 lanes with AVX-512, 8 with AVX2, else 4. A width given
+// as -DRB_LANES works everywhere, without intrinsics where it is not the processor's own.
 #ifndef RB_KERNELS_SIMD_H
 #define RB_KERNELS_SIMD_H
 
@@ -14,10 +15,13 @@
 #include <immintrin.h>
 #endif
 
-#ifdef __AVX2__
-enum { RB_LANES = 8 };
+#if defined(RB_LANES)
+#elif defined(__AVX512F__)
+#define RB_LANES 16
+#elif defined(__AVX2__)
+#define RB_LANES 8
 #else
-enum { RB_LANES = 4 };
+#define RB_LANES 4
 #endif
 
 typedef float vfloat __attribute__((vector_size(4 * RB_LANES)));
@@ -74,7 +78,27 @@ static inline vfloat vf_abs(vfloat a)
 
 // As rb_min, rb_max, sqrtf: a < b ? a : b lane by lane, and the correctly rounded root. vi_bits has
 // bit i set if lane i of the mask is.
-#if defined(__AVX2__)
+#if defined(__AVX512F__) && RB_LANES == 16
+static inline vfloat vf_min(vfloat a, vfloat b)
+{
+    return _mm512_min_ps(a, b);
+}
+
+static inline vfloat vf_max(vfloat a, vfloat b)
+{
+    return _mm512_max_ps(a, b);
+}
+
+static inline vfloat vf_sqrt(vfloat a)
+{
+    return _mm512_sqrt_ps(a);
+}
+
+static inline unsigned vi_bits(vint mask)
+{
+    return _mm512_cmplt_epi32_mask((__m512i)mask, _mm512_setzero_si512());
+}
+#elif defined(__AVX2__) && RB_LANES == 8
 static inline vfloat vf_min(vfloat a, vfloat b)
 {
     return _mm256_min_ps(a, b);
@@ -94,7 +118,7 @@ static inline unsigned vi_bits(vint mask)
 {
     return (unsigned)_mm256_movemask_ps((vfloat)mask);
 }
-#elif defined(__SSE2__)
+#elif defined(__SSE2__) && RB_LANES == 4
 static inline vfloat vf_min(vfloat a, vfloat b)
 {
     return _mm_min_ps(a, b);

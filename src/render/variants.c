@@ -119,6 +119,46 @@ const struct rb_variant rb_variants[] = {
         .needs = "avx2," OPENMP,
         .exact = true,
     },
+    {
+        .name = "packet-avx512",
+        .summary = "packets of 16 rays through the binary BVH",
+        .baseline = "bvh",
+        .kernels = X86(rb_kernels_packet_avx512),
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_serial,
+        .needs = "avx512f",
+        .exact = true,
+    },
+    {
+        .name = "packet-avx512+omp",
+        .summary = "packet-avx512, tiles shared among threads",
+        .baseline = "packet-avx512",
+        .kernels = X86(rb_kernels_packet_avx512),
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_openmp,
+        .needs = "avx512f," OPENMP,
+        .exact = true,
+    },
+    {
+        .name = "packet",
+        .summary = "the widest packets this machine has",
+        .baseline = "bvh",
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_serial,
+        .needs = "",
+        .exact = true,
+        .best_of = "packet-",
+    },
+    {
+        .name = "packet+omp",
+        .summary = "packet, tiles shared among threads",
+        .baseline = "packet",
+        .accelerator = RB_ACCEL_BVH,
+        .schedule = rb_schedule_openmp,
+        .needs = OPENMP,
+        .exact = true,
+        .best_of = "packet-",
+    },
     {.name = NULL},
 };
 
@@ -144,13 +184,23 @@ static bool have(const char *what, int length)
 
 bool rb_variant_available(const struct rb_variant *variant)
 {
-    bool available = variant->kernels != NULL;
+    bool available = variant->kernels || (variant->best_of && rb_variant_resolve(variant));
     for (const char *item = variant->needs; *item;) {
         int length = (int)strcspn(item, ",");
         available = available && have(item, length);
         item += length + (item[length] == ',');
     }
     return available;
+}
+
+const struct rb_variant *rb_variant_resolve(const struct rb_variant *variant)
+{
+    const struct rb_variant *best = variant->best_of ? NULL : variant;
+    for (const struct rb_variant *v = rb_variants; variant->best_of && v->name; v++)
+        if (!v->best_of && v->schedule == variant->schedule && rb_variant_available(v) &&
+            strncmp(v->name, variant->best_of, strlen(variant->best_of)) == 0)
+            best = v;
+    return best;
 }
 
 bool rb_variant_parallel(const struct rb_variant *variant)
@@ -162,7 +212,7 @@ const struct rb_variant *rb_variant_fastest(void)
 {
     const struct rb_variant *fastest = rb_variants;
     for (const struct rb_variant *variant = rb_variants; variant->name; variant++)
-        if (rb_variant_available(variant))
+        if (!variant->best_of && rb_variant_available(variant))
             fastest = variant;
     return fastest;
 }

@@ -30,12 +30,18 @@ struct rb_variant {
     rb_schedule_fn *schedule;
     const char *needs; // what machine and build must have: "", or a list such as "avx2,OpenMP"
     bool exact;        // agrees with the reference bit for bit
+    // Not NULL: the row stands for the last available row whose name begins so and that has the
+    // same schedule; kernels is NULL then.
+    const char *best_of;
 };
 
 extern const struct rb_variant rb_variants[];
 
 const struct rb_variant *rb_variant_find(const char *name); // NULL if there is none
 bool rb_variant_available(const struct rb_variant *variant);
+
+// The row that a row stands for: itself, or the best of several. NULL if none of them is available.
+const struct rb_variant *rb_variant_resolve(const struct rb_variant *variant);
 bool rb_variant_parallel(const struct rb_variant *variant);
 const struct rb_variant *rb_variant_fastest(void);
 

@@ -23,7 +23,7 @@ static int kernel_count;
 static void list_kernels(void)
 {
     for (const struct rb_variant *row = rb_variants; row->name; row++) {
-        bool known = !rb_variant_available(row) || !row->exact;
+        bool known = !rb_variant_available(row) || !row->exact || row->best_of;
         for (int i = 0; i < kernel_count; i++)
             known = known || kernels[i] == row->kernels;
         if (!known && kernel_count < KERNELS_MAX) {

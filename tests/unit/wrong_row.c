@@ -44,10 +44,10 @@ static const struct rb_kernels wrong_shadows = {rb_scalar_generate, trace_naive,
                                                 rb_scalar_light, shadow_almost};
 
 const struct rb_variant rb_variants[] = {
-    {"naive", "", "naive", &rb_kernels_naive, RB_ACCEL_NONE, rb_schedule_serial, "", true},
-    {"wrong", "", "naive", &wrong_hits, RB_ACCEL_NONE, rb_schedule_serial, "", true},
-    {"dark", "", "naive", &wrong_shadows, RB_ACCEL_NONE, rb_schedule_serial, "", true},
-    {"bvh", "", "wrong", &rb_kernels_bvh, RB_ACCEL_BVH, rb_schedule_serial, "", true},
+    {"naive", "", "naive", &rb_kernels_naive, RB_ACCEL_NONE, rb_schedule_serial, "", true, NULL},
+    {"wrong", "", "naive", &wrong_hits, RB_ACCEL_NONE, rb_schedule_serial, "", true, NULL},
+    {"dark", "", "naive", &wrong_shadows, RB_ACCEL_NONE, rb_schedule_serial, "", true, NULL},
+    {"bvh", "", "wrong", &rb_kernels_bvh, RB_ACCEL_BVH, rb_schedule_serial, "", true, NULL},
     {.name = NULL},
 };
 
@@ -66,6 +66,11 @@ bool rb_variant_available(const struct rb_variant *variant)
 {
     (void)variant;
     return true;
+}
+
+const struct rb_variant *rb_variant_resolve(const struct rb_variant *variant)
+{
+    return variant;
 }
 
 bool rb_variant_parallel(const struct rb_variant *variant)
