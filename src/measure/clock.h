@@ -33,7 +33,7 @@ static inline uint64_t rb_clock_ticks(void)
 #endif
 
 // Calibrated against CLOCK_MONOTONIC on first use, which takes 20 ms; 4 ppm were measured to be the
-// error of that on a cloud VM. Call it once before threads start.
+// error of that on a cloud VM. Not thread-safe until it has returned once.
 double rb_clock_ns_per_tick(void);
 
 #endif

@@ -85,7 +85,6 @@ enum rb_status rb_renderer_create(const struct rb_scene *scene, const struct rb_
     made->variant = rb_variant_resolve(variant);
     made->frame.world.scene = scene;
     made->frame.settings = *settings;
-    rb_clock_ns_per_tick(); // calibrates before there are threads
     fenv_t saved;
     rb_fpenv_enter(&saved);
     enum rb_status status = prepare(made, error);
