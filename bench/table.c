@@ -74,6 +74,43 @@ static void print_grid(const struct rb_row *row, int bounces)
     }
 }
 
+// How many times as fast per ray as in the baseline row, where that is certain: the intervals do
+// not overlap.
+static void print_gain(const struct rb_row *row, const struct rb_row *base, enum rb_stage stage,
+                       int bounce)
+{
+    struct rb_estimate a = rb_row_cell(base, stage, bounce), b = rb_row_cell(row, stage, bounce);
+    bool known = isfinite(a.low) && isfinite(b.low);
+    if (known && (a.low > b.high || a.high < b.low))
+        printf(" %9.2f", a.value / b.value);
+    else
+        printf(" %9s", known ? "=" : isfinite(b.value) ? "?" : "-");
+}
+
+// What each serial row brings, kernel by kernel: parallel rows run the same kernels.
+static void print_gains(const struct rb_scene_bench *bench, int bounces)
+{
+    printf("\n  %-18s %-14s  (= the 95 %% intervals overlap, ? there are none)\n",
+           "x as fast per ray", "");
+    for (int i = 0; i < bench->row_count; i++) {
+        const struct rb_row *row = &bench->rows[i];
+        const struct rb_row *base = rb_scene_bench_row(bench, row->variant->baseline);
+        if (!base || base == row || rb_variant_parallel(row->variant) || !rb_row_has_time(row) ||
+            !rb_row_has_time(base))
+            continue;
+        for (int stage = 0; stage < RB_KERNEL_COUNT; stage++) {
+            char name[48] = "";
+            if (stage < 2)
+                snprintf(name, sizeof name, stage ? "  over %s" : "%s",
+                         stage ? base->variant->name : row->variant->name);
+            printf("  %-18s %-14s", name, rb_stage_names[stage]);
+            for (int bounce = 0; bounce < bounces; bounce++)
+                print_gain(row, base, (enum rb_stage)stage, bounce);
+            printf("\n");
+        }
+    }
+}
+
 void rb_table_print(const struct rb_scene_bench *bench)
 {
     const struct rb_settings *s = &bench->settings;
@@ -96,6 +133,7 @@ void rb_table_print(const struct rb_scene_bench *bench)
         if (rb_row_has_time(&bench->rows[i]))
             print_grid(&bench->rows[i], bounces);
     print_ray_counts(bench, bounces);
+    print_gains(bench, bounces);
     fflush(stdout);
 }
 
