@@ -8,6 +8,10 @@
 #include <math.h>
 #include <string.h>
 
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
 static const struct rb_settings plain = {.width = 72, .height = 56};
 static const struct rb_settings rich = {.width = 40,
                                         .height = 40,
@@ -143,6 +147,14 @@ static void check_environment(const struct rb_scene *scene)
     ok(result.image_hash == expected.image_hash && result.hits_hash == expected.hits_hash,
        "rounding upward in the caller changes nothing");
     ok(mode == FE_UPWARD, "the caller's rounding mode is restored");
+#ifdef __x86_64__
+    unsigned saved = _mm_getcsr();
+    _mm_setcsr(saved | 0x8040); // flush to zero, denormals are zero
+    result = render(scene, rb_variant_fastest(), plain, 64, 2);
+    _mm_setcsr(saved);
+    ok(result.image_hash == expected.image_hash && result.hits_hash == expected.hits_hash,
+       "flushing denormals in the caller changes nothing");
+#endif
 }
 
 // Deep trees of glass split their queues: 2^depth rays per pixel in batches of bounded size.
