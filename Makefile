@@ -57,7 +57,7 @@ TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench test unit check fuzz setup clean help force
+.PHONY: all bench test unit exact check fuzz setup clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -71,6 +71,10 @@ test: all unit $(FUZZ_REPLAY)
 	@command -v prove >/dev/null || { echo 'make test needs prove: apt-get install perl' >&2; exit 1; }
 	@RAYBENCH=$(B)/raybench BUILD=$(B) prove -j $(shell nproc 2>/dev/null || echo 1) -e '' \
 	  $(UNIT) $(sort $(wildcard tests/cli/*.t))
+
+## exact: every row, tile size, thread count, instruction set, compiler and -O level, bit for bit
+exact: all unit
+	@RAYBENCH=$(B)/raybench scripts/exact
 
 ## check: everything CI runs, by name (CHECKS="style build ..." for some of it)
 check:

@@ -77,7 +77,8 @@ enum rb_status rb_renderer_create(const struct rb_scene *scene, const struct rb_
 {
     *renderer = NULL;
     if (!rb_variant_available(variant))
-        return rb_error_set(error, RB_INVALID, "variant %s needs %s, which this machine or build has not",
+        return rb_error_set(error, RB_INVALID,
+                            "variant %s needs %s, which this machine or build has not",
                             variant->name, variant->needs);
     struct rb_renderer *made = rb_alloc(1, sizeof *made);
     if (!made)

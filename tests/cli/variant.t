@@ -1,6 +1,6 @@
 #!/bin/sh
-# Adding a variant takes one file and one row of the table: a copy of the sources gets both, and must
-# build, list, verify and measure the newcomer without another change.
+# Adding a variant takes one file and one row of the table: a copy of the sources gets both, and
+# must build, list, verify and measure the newcomer without another change.
 . "$(dirname "$0")/tap.sh"
 
 cp -r Makefile src bench "$tmp/"
@@ -24,10 +24,11 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
     rb_kernels_bvh.trace_shadow(world, shadows);
 }
 END
-sed -i 's/^extern const struct rb_kernels rb_kernels_bvh;/&\nextern const struct rb_kernels rb_kernels_dummy;/' \
+declaration='extern const struct rb_kernels rb_kernels_dummy;'
+row='{"dummy", "for a test", "bvh", \&rb_kernels_dummy, RB_ACCEL_BVH, rb_schedule_serial, "", true, 0},'
+sed -i "s/^extern const struct rb_kernels rb_kernels_bvh;/&\n$declaration/" \
     "$tmp/src/kernels/kernel.h"
-sed -i 's/^    {.name = NULL},/    {"dummy", "for a test", "bvh", \&rb_kernels_dummy, RB_ACCEL_BVH,\n     rb_schedule_serial, "", true, NULL},\n&/' \
-    "$tmp/src/render/variants.c"
+sed -i "s/^    {.name = NULL},/    $row\n&/" "$tmp/src/render/variants.c"
 env -u MAKEFLAGS -u MAKEOVERRIDES make -s -C "$tmp" -j 2 CONFIG=release SANITIZE= OPT=-O1 all \
     >"$tmp/log" 2>&1
 check 'it builds' [ -x "$tmp/build/release/raybench" ]
