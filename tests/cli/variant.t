@@ -25,7 +25,7 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
 }
 END
 declaration='extern const struct rb_kernels rb_kernels_dummy;'
-row='{"dummy", "for a test", "bvh", \&rb_kernels_dummy, RB_ACCEL_BVH, rb_schedule_serial, "", true, 0},'
+row='{"dummy", "-", "bvh", \&rb_kernels_dummy, RB_ACCEL_BVH, rb_schedule_serial, "", true, 0},'
 sed -i "s/^extern const struct rb_kernels rb_kernels_bvh;/&\n$declaration/" \
     "$tmp/src/kernels/kernel.h"
 sed -i "s/^    {.name = NULL},/    $row\n&/" "$tmp/src/render/variants.c"
