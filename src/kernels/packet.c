@@ -207,7 +207,6 @@ static vint plane_hit(const struct rb_scene *scene, uint32_t index, const struct
 // Takes over the lanes of `found` that are closer, or as close with a lower id.
 static inline void keep_closest(struct hits *best, const struct hits *hit, vint found)
 {
-    typedef uint32_t vuint __attribute__((vector_size(4 * RB_LANES)));
     vint lower = (vint)((vuint)hit->prim < (vuint)best->prim);
     vint closer = found & ((hit->t < best->t) | ((hit->t == best->t) & lower));
     best->t = vf_select(closer, hit->t, best->t);

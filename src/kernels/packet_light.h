@@ -7,13 +7,14 @@
 // rb_power
 static inline vfloat vf_power(vfloat x, vfloat n)
 {
-    vint above = (vint)vf_min(x, vf_set(1.0f)) - vi_set(0x3f3504f3);
+    vint above = (vint)((vuint)vf_min(x, vf_set(1.0f)) - 0x3f3504f3u);
     vfloat m = (vfloat)((above & vi_set(0x7fffff)) + vi_set(0x3f3504f3));
     vfloat s = (m - 1.0f) / (m + 1.0f);
     vfloat y = n * (__builtin_convertvector(above >> 23, vfloat) + s * RB_LOG2_SERIES(s * s));
     vfloat whole = (y + RB_ROUND) - RB_ROUND, f = y - whole;
     // Lanes whose result is not taken must still convert to integers.
-    vint scale = (__builtin_convertvector(vf_max(whole, vf_set(-127.0f)), vint) + 127) << 23;
+    vfloat bounded = vf_min(vf_max(whole, vf_set(-127.0f)), vf_set(127.0f));
+    vuint scale = (vuint)(__builtin_convertvector(bounded, vint) + 127) << 23;
     vfloat power = (vfloat)scale * RB_EXP2_SERIES(f);
     vint tiny = ~(x >= FLT_MIN) | ~(y >= -126.0f);
     return vf_select(n == 0.0f, vf_set(1.0f), vf_select(tiny, vf_set(0.0f), power));

@@ -117,7 +117,7 @@ static void append_secondaries(struct rb_rays *out, const struct surface_packet 
         FLOATS(out->dz, d.z),
         FLOATS(out->weight, vf_load(rays->weight + s->first) * factor),
         WORDS(out->pixel, vi_load(rays->pixel + s->first)),
-        WORDS(out->path, vi_load(rays->path + s->first) * 2 + child),
+        WORDS(out->path, (vint)((vuint)vi_load(rays->path + s->first) * 2u + (uint32_t)child)),
         WORDS(out->self, s->prim),
     };
     APPEND(columns, out->count, bits);

@@ -26,6 +26,7 @@
 
 typedef float vfloat __attribute__((vector_size(4 * RB_LANES)));
 typedef int32_t vint __attribute__((vector_size(4 * RB_LANES))); // integers, and masks of -1 and 0
+typedef uint32_t vuint __attribute__((vector_size(4 * RB_LANES))); // for arithmetic that may wrap
 
 static inline vfloat vf_set(float x)
 {

@@ -51,8 +51,8 @@ spread() {
     xargs -P "$jobs" -L 1 sh -c '. tests/cli/exact.sh; "$0" "$@"' "$@"
 }
 
-# SCENE SIZE ROW TILE THREADS PROGRAM...: renders; `command` is how, `got` is what came of it: scene,
-# size, both hashes and the SHA-256 of the PFM.
+# SCENE SIZE ROW TILE THREADS PROGRAM...: renders; `command` is how, `got` is what came of it:
+# scene, size, both hashes and the SHA-256 of the PFM.
 render() {
     got="$1 $2" image=$tmp/image.$$.pfm
     set -- "$@" render "$1" --size "$2" --variant "$3" --tile "$4" --threads "$5" --hash --quiet
