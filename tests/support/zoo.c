@@ -14,16 +14,17 @@ static void begin(struct rb_scene_builder *builder)
             builder, lights[i], (const double[3]){1.0, 0.25 * (double)i, 0.3}, &stage_failure));
 }
 
-// The next of 54 materials: what follows in the scene has it.
+// The next material: what follows in the scene has it. Sharp highlights without diffuse light are
+// on large things: there alone it shows where a power underflows.
 static void next_material(struct rb_scene_builder *builder)
 {
-    static const double kd[] = {0.8, 0.0, 0.5}, ks[] = {0.5, 0.0, 1.0}, t[] = {0.0, 0.5, 0.0};
-    static const double shine[] = {0.0, 1.0, 0.5, 10.0, 3.0, 1e3, 77.7, 1e5};
+    static const double kd[] = {0.8, 0.0, 0.5}, ks[] = {0.5, 1.0, 0.0, 1.0, 0.25};
+    static const double shine[] = {0.0, 1.0, 0.5, 10.0, 3.0, 1e3, 77.7, 1e5}, t[] = {0.0, 0.5, 0.0};
     static const double ior[] = {1.0, 1.5, 0.7, 1.33, 2.4, 1.0001, 1e3};
-    size_t i = builder->materials.count;
+    size_t i = builder->materials.count + 10;
     const double color[3] = {0.1 * (double)(i % 11), 1.0 - 0.05 * (double)(i % 21), 1.0};
-    stage_check(rb_scene_add_material(builder, color, kd[i % 3], ks[i / 3 % 3], shine[i % 8],
-                                      t[i / 2 % 3], ior[i % 7], &stage_failure));
+    stage_check(rb_scene_add_material(builder, color, kd[(i / 8 * 2 + i) % 3], ks[i % 5],
+                                      shine[i % 8], t[i / 2 % 3], ior[i % 7], &stage_failure));
 }
 
 static void sphere(struct rb_scene_builder *builder, double x, double y, double z, double r)
