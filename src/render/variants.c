@@ -5,7 +5,8 @@
 #include <stddef.h>
 #include <string.h>
 
-#define OPENMP "OpenMP"
+#define OPENMP  "OpenMP"
+#define PACKETS "packet-*"
 
 #ifdef __x86_64__
 #define X86(kernels)  (&(kernels))
@@ -145,9 +146,9 @@ const struct rb_variant rb_variants[] = {
         .baseline = "bvh",
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_serial,
-        .needs = "",
+        .needs = PACKETS,
         .exact = true,
-        .best_of = "packet-",
+        .best_of = PACKETS,
     },
     {
         .name = "packet+omp",
@@ -155,9 +156,9 @@ const struct rb_variant rb_variants[] = {
         .baseline = "packet",
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_openmp,
-        .needs = OPENMP,
+        .needs = PACKETS "," OPENMP,
         .exact = true,
-        .best_of = "packet-",
+        .best_of = PACKETS,
     },
     {.name = NULL},
 };
@@ -170,24 +171,27 @@ const struct rb_variant *rb_variant_find(const char *name)
     return NULL;
 }
 
-static bool have(const char *what, int length)
+// An item of a list of needs: OpenMP, the rows that the variant is the best of, or a feature.
+static bool have(const struct rb_variant *variant, const char *item, int length)
 {
-    if (length == (int)strlen(OPENMP) && memcmp(what, OPENMP, strlen(OPENMP)) == 0) {
+    if (length == (int)strlen(OPENMP) && memcmp(item, OPENMP, strlen(OPENMP)) == 0) {
 #ifdef _OPENMP
         return true;
 #else
         return false;
 #endif
     }
-    return rb_cpu_has(what, length);
+    if (item[length - 1] == '*')
+        return rb_variant_resolve(variant) != NULL;
+    return rb_cpu_has(item, length);
 }
 
 bool rb_variant_available(const struct rb_variant *variant)
 {
-    bool available = variant->kernels || (variant->best_of && rb_variant_resolve(variant));
+    bool available = variant->kernels || variant->best_of;
     for (const char *item = variant->needs; *item;) {
         int length = (int)strcspn(item, ",");
-        available = available && have(item, length);
+        available = available && have(variant, item, length);
         item += length + (item[length] == ',');
     }
     return available;
@@ -195,10 +199,13 @@ bool rb_variant_available(const struct rb_variant *variant)
 
 const struct rb_variant *rb_variant_resolve(const struct rb_variant *variant)
 {
-    const struct rb_variant *best = variant->best_of ? NULL : variant;
-    for (const struct rb_variant *v = rb_variants; variant->best_of && v->name; v++)
+    if (!variant->best_of)
+        return variant;
+    const struct rb_variant *best = NULL;
+    size_t common = strcspn(variant->best_of, "*");
+    for (const struct rb_variant *v = rb_variants; v->name; v++)
         if (!v->best_of && v->schedule == variant->schedule && rb_variant_available(v) &&
-            strncmp(v->name, variant->best_of, strlen(variant->best_of)) == 0)
+            strncmp(v->name, variant->best_of, common) == 0)
             best = v;
     return best;
 }

@@ -28,9 +28,9 @@ struct rb_variant {
     const struct rb_kernels *kernels; // NULL if not part of a build for this processor
     enum rb_accelerator accelerator;
     rb_schedule_fn *schedule;
-    const char *needs; // what machine and build must have: "", or a list such as "avx2,OpenMP"
+    const char *needs; // what machine and build must have: "", or a list: "avx2,OpenMP", "packet-*"
     bool exact;        // agrees with the reference bit for bit
-    // Not NULL: the row stands for the last available row whose name begins so and that has the
+    // Not NULL: the row stands for the last available row with such a name ("packet-*") and the
     // same schedule; kernels is NULL then.
     const char *best_of;
 };
