@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "base/cpu.h"
 #include "base/file.h"
-#include "bench/bench.h"
+#include "bench/commands.h"
 #include "cli/commands.h"
 
 #include <fcntl.h>
@@ -14,19 +14,12 @@
 
 #define VERSION "0.1.0"
 
-static const struct rb_command *const commands[] = {
-    &rb_command_render, &rb_command_pixel, &rb_command_info,
-    &rb_command_scene,  &rb_command_list,  &rb_command_bench,
-};
-
-enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
-
 static void print_help(void)
 {
     printf("raybench measures a ray tracer: time per ray, per kernel, per bounce.\n\n"
            "usage: raybench COMMAND [arguments]\n\n");
-    for (int i = 0; i < COMMAND_COUNT; i++)
-        printf("  %-8s %s\n", commands[i]->name, commands[i]->summary);
+    for (const struct rb_command *const *command = rb_commands; *command; command++)
+        printf("  %-8s %s\n", (*command)->name, (*command)->summary);
     printf("\nraybench COMMAND --help explains a command; raybench --version prints the version.\n"
            "Start with: raybench render balls_high -o balls.ppm\n\n"
            "Exit codes: 0 fine, 1 runtime failure (memory, disk), 2 bad usage or input.\n");
@@ -93,9 +86,9 @@ static int run(int argc, char **argv)
         printf("raybench " VERSION "\n");
         return 0;
     }
-    for (int i = 0; i < COMMAND_COUNT; i++)
-        if (strcmp(name, commands[i]->name) == 0)
-            return dispatch(commands[i], argc - 2, argv + 2);
+    for (const struct rb_command *const *command = rb_commands; *command; command++)
+        if (strcmp(name, (*command)->name) == 0)
+            return dispatch(*command, argc - 2, argv + 2);
     if (argc > 1)
         fprintf(stderr, "raybench: there is no command '%s'; see raybench --help\n", name);
     else
