@@ -133,6 +133,8 @@ static void ratios(void)
     r = rb_stats_independent_ratio(x, 6, y, 3, 0.9);
     ok(near(r.value, 10 / 3.5) && isnan(r.low) && isnan(r.high) && isnan(r.level),
        "one side too few");
+    // A range of 5 covers with 15 / 16, which is above 0.9 and below its root.
+    ok(isnan(rb_stats_independent_ratio(x, 5, y, 5, 0.9).low), "the level is that of both");
     y[3] = 0;
     ok(isnan(rb_stats_paired_ratio(x, y, 6, 0.9).value) &&
            isnan(rb_stats_independent_ratio(x, 6, y, 6, 0.9).value) &&
