@@ -1,8 +1,8 @@
 // Fields become strings where they stand: the separator behind a field is overwritten with its
 // terminator, and doubled quotes are closed up to the left, which never reaches text not yet read.
-#define _POSIX_C_SOURCE 200809L
 #include "bench/csv_read.h"
 
+#include "base/file.h"
 #include "base/memory.h"
 
 #include <errno.h>
@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 struct parser {
     struct rb_error *error;
@@ -25,38 +24,6 @@ struct parser {
 };
 
 enum ending { ENDS_FIELD, ENDS_ROW, ENDS_FILE, ENDS_WRONG };
-
-// `path` becomes the place in question, without a line.
-static void set_file(struct rb_error *error, const char *path)
-{
-    snprintf(error->file, sizeof error->file, "%.*s", (int)sizeof error->file - 1, path);
-}
-
-// The whole file and a terminator. Works on pipes, too: the size is only a hint.
-static enum rb_status read_file(const char *path, struct rb_array *text, struct rb_error *error)
-{
-    struct stat info;
-    FILE *stream = fopen(path, "rb");
-    bool sized = stream && fstat(fileno(stream), &info) == 0 && S_ISREG(info.st_mode);
-    size_t step = sized ? (size_t)info.st_size + 1 : 1 << 16;
-    for (bool whole = !stream; !whole; step = 1 << 16) {
-        if (!rb_array_reserve(text, step + 1, 1)) {
-            fclose(stream);
-            return rb_error_memory(error, "the table");
-        }
-        size_t got = fread((char *)text->data + text->count, 1, step, stream);
-        text->count += got;
-        whole = got < step;
-    }
-    bool failed = !stream || ferror(stream);
-    int cause = errno;
-    if (stream)
-        fclose(stream);
-    if (failed)
-        return rb_error_set(error, RB_FAILED, "cannot read: %s", strerror(cause));
-    ((char *)text->data)[text->count] = '\0';
-    return RB_OK;
-}
 
 // Sets the place to `at`, a byte of the current line.
 static enum ending refuse(const struct parser *p, const char *at, const char *what)
@@ -229,10 +196,8 @@ static enum rb_status load(const char *path, bool partial, struct rb_csv *csv, b
     *csv = (struct rb_csv){0};
     *dropped = false;
     *error = (struct rb_error){0};
-    set_file(error, path);
-    struct rb_array text = {0};
-    enum rb_status status = read_file(path, &text, error);
-    csv->text = text.data;
+    size_t size = 0;
+    enum rb_status status = rb_file_read(path, &csv->text, &size, error);
     csv->path = rb_alloc(strlen(path) + 1, 1);
     if (status == RB_OK && !csv->path)
         status = rb_error_memory(error, "the table");
@@ -240,7 +205,7 @@ static enum rb_status load(const char *path, bool partial, struct rb_csv *csv, b
         strcpy(csv->path, path);
         struct parser p = {.error = error, .failure = RB_INVALID, .line = 1, .partial = partial};
         p.text = p.at = p.line_start = csv->text;
-        p.end = p.text + text.count;
+        p.end = p.text + size;
         status = reserve_fields(&p) ? read_rows(&p, dropped) : rb_error_memory(error, "the table");
         csv->fields = p.fields.data;
         csv->rows = p.rows.data;
@@ -318,7 +283,7 @@ void rb_csv_place(const struct rb_csv *csv, size_t row, int column, struct rb_er
 {
     const char *start = csv->text + csv->rows[row + 1].offset;
     const char *field = column < 0 ? start : rb_csv_text(csv, row, column);
-    set_file(error, csv->path);
+    snprintf(error->file, sizeof error->file, "%.*s", (int)sizeof error->file - 1, csv->path);
     error->line = csv->rows[row + 1].line;
     error->column = (unsigned long)(field - start) + 1;
 }
