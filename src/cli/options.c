@@ -11,12 +11,8 @@
 
 const struct rb_option rb_options_settings[] = {
     {"--size", "WxH", RB_OPTION_SIZE, 0, 0, 0, "image size; default: the scene's resolution"},
-    {"--depth", "N", RB_OPTION_INT, SETTING(depth), 1, RB_DEPTH_MAX,
-     "levels of the ray tree, 1 = camera rays only; default 5"},
     {"--aa", "N", RB_OPTION_INT, SETTING(aa), 1, RB_AA_MAX,
      "anti-aliasing: N x N stratified rays per pixel; default 1"},
-    {"--light-samples", "N", RB_OPTION_INT, SETTING(light_samples), 1, RB_LIGHT_SAMPLES_MAX,
-     "shadow rays per light; default 1"},
     {"--light-size", "S", RB_OPTION_NUMBER, SETTING(light_size), 0, 1e6,
      "edge of the square lights in world units, for soft shadows; default 0"},
     {"--light-scale", "auto|X", RB_OPTION_LIGHT_SCALE, 0, 0, 0,
@@ -28,6 +24,14 @@ const struct rb_option rb_options_settings[] = {
     {"--spd", NULL, RB_OPTION_FLAG, SETTING(spd), 0, 0,
      "SPD's test rules: rays through pixel corners, one-sided opaque surfaces"},
     {"--seed", "N", RB_OPTION_SEED, SETTING(seed), 0, 0, "of the random numbers; default 0"},
+    {.name = NULL},
+};
+
+const struct rb_option rb_options_levels[] = {
+    {"--depth", "N", RB_OPTION_INT, SETTING(depth), 1, RB_DEPTH_MAX,
+     "levels of the ray tree, 1 = camera rays only; default 5"},
+    {"--light-samples", "N", RB_OPTION_INT, SETTING(light_samples), 1, RB_LIGHT_SAMPLES_MAX,
+     "shadow rays per light; default 1"},
     {.name = NULL},
 };
 
@@ -91,6 +95,27 @@ static bool parse_integer(const char *text, double low, double high, int *value)
     return true;
 }
 
+static bool parse_time(const char *text, double low, double high, double *seconds)
+{
+    static const struct {
+        const char *suffix;
+        double seconds;
+    } units[] = {{"ms", 1e-3}, {"s", 1}, {"m", 60}, {"h", 3600}, {"", 1}};
+    char number[32];
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+        size_t length = strlen(text), suffix = strlen(units[i].suffix);
+        if (length < suffix || length - suffix >= sizeof number ||
+            strcmp(text + length - suffix, units[i].suffix) != 0)
+            continue;
+        snprintf(number, sizeof number, "%.*s", (int)(length - suffix), text);
+        if (!parse_number(number, 0, HUGE_VAL, seconds))
+            return false;
+        *seconds *= units[i].seconds;
+        return *seconds >= low && *seconds <= high;
+    }
+    return false;
+}
+
 static bool parse_size(const char *text, struct rb_settings *settings)
 {
     char width[16] = "";
@@ -141,6 +166,12 @@ static enum rb_status assign(const struct rb_option *option, const char *text,
     case RB_OPTION_NUMBER:
         snprintf(wanted, sizeof wanted, "a number from %g to %g", option->low, option->high);
         return parse_number(text, option->low, option->high, target)
+                   ? RB_OK
+                   : refuse(option, text, wanted, error);
+    case RB_OPTION_TIME:
+        snprintf(wanted, sizeof wanted, "a time such as 90s or 5m, from %g s to %g s", option->low,
+                 option->high);
+        return parse_time(text, option->low, option->high, target)
                    ? RB_OK
                    : refuse(option, text, wanted, error);
     case RB_OPTION_SEED:
@@ -202,10 +233,32 @@ enum rb_status rb_options_parse(const struct rb_command *command, int count, cha
         const char *value = equals ? equals + 1 : option->value ? words[++i] : "";
         if (assign(option, value, arguments, error))
             return RB_INVALID;
+        if (arguments->given_count == RB_GIVEN_MAX)
+            return rb_error_set(error, RB_INVALID, "too many options");
+        arguments->given[arguments->given_count].name = option->name;
+        arguments->given[arguments->given_count++].value = value;
     }
     if (!arguments->help && arguments->positional_count < command->positional_min)
         return rb_error_set(error, RB_INVALID, "missing argument; usage: raybench %s %s",
                             command->name, command->synopsis);
+    return RB_OK;
+}
+
+enum rb_status rb_options_assign(const struct rb_command *command, const char *key,
+                                 const char *value, struct rb_arguments *arguments,
+                                 struct rb_error *error)
+{
+    char name[64];
+    snprintf(name, sizeof name, "--%.60s", key);
+    const struct rb_option *option = find(command, name, strlen(name));
+    if (!option)
+        return rb_error_set(error, RB_INVALID, "unknown key '%.60s'; see raybench %s --help", key,
+                            command->name);
+    if (option->value)
+        return assign(option, value, arguments, error);
+    if (strcmp(value, "yes") != 0 && strcmp(value, "no") != 0)
+        return rb_error_set(error, RB_INVALID, "%.60s: expected yes or no", key);
+    *(bool *)((char *)arguments + option->offset) = strcmp(value, "yes") == 0;
     return RB_OK;
 }
 

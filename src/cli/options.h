@@ -10,6 +10,18 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+enum { RB_GIVEN_MAX = 64 };
+
+// What only the harness can be told.
+struct rb_bench_arguments {
+    const char *scenes, *variants, *threads, *tiles, *depths, *light_samples; // lists, as given
+    const char *against;                                                      // a program
+    const char *expect;                                                       // hashes
+    double slice_s;
+    int processes, process, cpu, group_tiles;
+    bool resume, dry_run, full_reference;
+};
+
 // Everything any command can be told. Zero or NULL means not given.
 struct rb_arguments {
     const char *positional[16];
@@ -22,6 +34,12 @@ struct rb_arguments {
     bool size_given;
     enum rb_dialect dialect;
     double budget_s; // of a benchmark
+    struct rb_bench_arguments bench;
+    struct {
+        const char *name, *value; // "--depth", "3"; "" for a flag
+    } given[RB_GIVEN_MAX];        // the options, in order
+    int given_count;
+    const char *command_line; // as the user wrote it, about
 };
 
 enum rb_option_kind {
@@ -29,6 +47,7 @@ enum rb_option_kind {
     RB_OPTION_TEXT,        // const char *
     RB_OPTION_INT,         // int within [low, high]
     RB_OPTION_NUMBER,      // double within [low, high]
+    RB_OPTION_TIME,        // double within [low, high], seconds: "90", "90s", "1.5m", "2h", "500ms"
     RB_OPTION_SEED,        // uint64_t
     RB_OPTION_SIZE,        // settings.width and height, "WxH"
     RB_OPTION_SPECULAR,    // settings.phong, "blinn" or "phong"
@@ -54,10 +73,12 @@ struct rb_command {
     int positional_min, positional_max;
     const struct rb_option *const *groups;            // option tables, NULL-ended
     int (*run)(const struct rb_arguments *arguments); // returns the exit code
+    bool hidden;                                      // not for people
 };
 
 // Tables that several commands share.
 extern const struct rb_option rb_options_settings[]; // how to render
+extern const struct rb_option rb_options_levels[];   // --depth, --light-samples
 extern const struct rb_option rb_options_variant[];  // --variant
 extern const struct rb_option rb_options_threads[];  // --threads, --tile
 extern const struct rb_option rb_options_strict[];   // reading scenes
@@ -65,6 +86,12 @@ extern const struct rb_option rb_options_strict[];   // reading scenes
 // Parses the arguments behind the command's name. On RB_INVALID `error` says what is wrong.
 enum rb_status rb_options_parse(const struct rb_command *command, int count, char **words,
                                 struct rb_arguments *arguments, struct rb_error *error);
+
+// Assigns one option by its name without the dashes, as a line of a plan has it; a flag takes yes
+// or no.
+enum rb_status rb_options_assign(const struct rb_command *command, const char *key,
+                                 const char *value, struct rb_arguments *arguments,
+                                 struct rb_error *error);
 
 // The full help page of a command, on standard output.
 void rb_options_help(const struct rb_command *command);
