@@ -103,8 +103,7 @@ static size_t read_sample(int from, struct rb_sample *sample)
     return have;
 }
 
-static enum rb_status take_all(int from, bool take(void *, const struct rb_sample *), void *user,
-                               struct rb_error *error)
+static enum rb_status take_all(int from, rb_take_fn *take, void *user, struct rb_error *error)
 {
     struct rb_sample sample;
     size_t got;
@@ -139,9 +138,8 @@ static enum rb_status judge(int how, enum rb_status status, struct rb_error *err
     return status;
 }
 
-enum rb_status rb_process_run(const struct rb_worker_words *words, bool bind,
-                              bool take(void *user, const struct rb_sample *sample), void *user,
-                              struct rb_error *error)
+enum rb_status rb_process_run(const struct rb_worker_words *words, bool bind, rb_take_fn *take,
+                              void *user, struct rb_error *error)
 {
     char *pointers[RB_WORKER_WORDS_MAX + 1] = {NULL};
     int ends[2], how = 0;

@@ -68,7 +68,8 @@ check 'it renders' exits 0 render mount_low --size 48x48 --variant dummy --hash 
 check 'the same image and hits' [ "$(cat "$tmp/out")" = "$reference" ]
 check 'it is measured; wrong rows are an error' exits 2 bench mount_low --size 48x48 \
     --variants bvh,dummy,wrong,dark --budget 1 --out "$tmp/results"
-lines() { grep -E "^mount_low,48,48,5,1,1,64,$1,1,trace,0,2304,$2" "$tmp/results/latest/kernels.csv"; }
+csv=$tmp/results/latest/kernels.csv
+lines() { grep -E "^mount_low,48,48,5,1,1,64,$1,1,trace,0,2304,$2" "$csv"; }
 check 'with a time' lines dummy '[0-9]'
 check 'hits off by an ulp get none, and the reason' lines wrong ',,,,0,invalid'
 check 'wrong shadows get none' lines dark ',,,,0,invalid'
