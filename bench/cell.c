@@ -142,19 +142,20 @@ static double place_rays(const struct rb_sample *sample, const void *what)
 static double place_ns_per_ray(const struct rb_sample *sample, const void *what)
 {
     double rays = place_rays(sample, what);
-    return RB_PROBES && rays > 0 ? place_ns(sample, what) / rays : (double)NAN;
+    return rb_sample_has_stages(sample) && rays > 0 ? place_ns(sample, what) / rays : (double)NAN;
 }
 
 static double stage_ns(const struct rb_sample *sample, const void *what)
 {
-    return RB_PROBES ? (double)rb_sample_stage_ns(sample, *(const enum rb_stage *)what)
-                     : (double)NAN;
+    return rb_sample_has_stages(sample)
+               ? (double)rb_sample_stage_ns(sample, *(const enum rb_stage *)what)
+               : (double)NAN;
 }
 
 static double busy_ns(const struct rb_sample *sample, const void *what)
 {
     (void)what;
-    return RB_PROBES ? (double)rb_sample_busy_ns(sample) : (double)NAN;
+    return rb_sample_has_stages(sample) ? (double)rb_sample_busy_ns(sample) : (double)NAN;
 }
 
 static double wall_ns(const struct rb_sample *sample, const void *what)
@@ -239,7 +240,7 @@ double rb_cell_overhead(const struct rb_cell *cell, double probe_ns)
         probes += (double)rb_sample_probes(&cell->samples[i]);
         ns += (double)rb_sample_busy_ns(&cell->samples[i]);
     }
-    return RB_PROBES && rb_cell_has_time(cell) && ns > 0 ? probes * probe_ns / ns : (double)NAN;
+    return rb_cell_has_time(cell) && ns > 0 ? probes * probe_ns / ns : (double)NAN;
 }
 
 static int processors(void)

@@ -26,8 +26,25 @@ check 'camera rays are pixels' grep -q '^balls_low,48,48,5,1,1,64,bvh,1,generate
 check 'no zero stands for a time' [ "$(awk -F, '$13 == "0"' "$csv" | wc -l)" = 0 ]
 check 'nothing is left of the part file' [ ! -e "$latest/samples.csv.part" ]
 
+for file in kernels frame samples; do
+    for name in $(head -1 "$latest/$file.csv" | tr -d '\r' | tr , ' '); do
+        grep -qE "^\| (.*, )?$name[, ]" results/README.md || echo "$name"
+    done
+done >"$tmp/undocumented"
+check 'results/README.md explains every column' [ ! -s "$tmp/undocumented" ]
+if python3 -c 'import jsonschema' 2>/dev/null; then
+    check 'result.json is as its schema says' python3 -c 'import json, jsonschema, sys
+jsonschema.validate(*[json.load(open(name)) for name in sys.argv[1:]])' \
+        "$latest/result.json" results/result.schema.json
+else
+    check 'result.json is as its schema says # SKIP no python3 with jsonschema (make setup)' true
+fi
+
 # FILE COLUMN: its number.
 column() { head -1 "$1" | tr -d '\r' | tr , '\n' | grep -nx "$2" | cut -d: -f1; }
+
+check 'larger frames, for what follows' exits 0 bench balls_low mount_low --size 256x256 \
+    --variants bvh,packet,packet+omp --budget 2 --quiet --out "$out"
 
 # Kernels at all bounces, resolve and other add up to the frame: wall time of serial rows, within
 # 1 %; `other` is under 3 %. Sums are per repetition, so that no median hides anything.
