@@ -28,7 +28,7 @@ check 'nothing is left of the part file' [ ! -e "$latest/samples.csv.part" ]
 
 for file in kernels frame samples; do
     for name in $(head -1 "$latest/$file.csv" | tr -d '\r' | tr , ' '); do
-        grep -qE "^\| (.*, )?$name[, ]" results/README.md || echo "$name"
+        grep -qE "^\| (.*, )?${name}[, ]" results/README.md || echo "$name"
     done
 done >"$tmp/undocumented"
 check 'results/README.md explains every column' [ ! -s "$tmp/undocumented" ]
