@@ -21,7 +21,8 @@ struct rb_arguments {
     int size; // of a generated scene
     bool size_given;
     enum rb_dialect dialect;
-    double budget_s; // of a benchmark
+    double budget_s;  // of a benchmark
+    const char *root; // folder with a copy of another machine's proc and sys
 };
 
 enum rb_option_kind {
