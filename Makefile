@@ -130,11 +130,17 @@ $(B)/%.avx512.o: %.c $(B)/flags
 $(B)/%.o: %.c $(B)/flags
 	$(compile)
 
-# Rewritten only when compiler or flags change, so that they rebuild everything.
+# Rewritten only when compiler or flags change, so that they rebuild everything. Passed through the
+# environment: the flags may hold quotes. env.json has them from flags.h, as a C string.
+$(B)/flags: export FLAGS = $(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LINK) \
+  $(LDFLAGS) $(LIBS)
 $(B)/flags: force
 	@mkdir -p $(@D)
-	@echo '$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LINK) $(LDFLAGS) $(LIBS)' | cmp -s - $@ || \
-	  echo '$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LINK) $(LDFLAGS) $(LIBS)' > $@
+	@printf '%s\n' "$$FLAGS" | cmp -s - $@ || printf '%s\n' "$$FLAGS" >$@
+$(B)/flags.h: $(B)/flags
+	@sed 's/["\\?]/\\&/g; s/.*/#define RB_FLAGS "&"/' $< >$@
+$(B)/bench/env_build.o: ISA := -I$(B)
+$(B)/bench/env_build.o: $(B)/flags.h
 .SECONDARY:
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)

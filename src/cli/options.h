@@ -40,6 +40,7 @@ struct rb_arguments {
     } given[RB_GIVEN_MAX];        // the options, in order
     int given_count;
     const char *command_line; // as the user wrote it, about
+    const char *root;         // folder with a copy of another machine's proc and sys
 };
 
 enum rb_option_kind {
