@@ -1,6 +1,8 @@
 #define _XOPEN_SOURCE 700
 #include "base/file.h"
 
+#include "base/memory.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -14,12 +16,16 @@
 static char pending_path[RB_OUTPUT_PATH_MAX];
 static volatile sig_atomic_t pending;
 
+static void set_file(struct rb_error *error, const char *path)
+{
+    if (error)
+        snprintf(error->file, sizeof error->file, "%.*s", (int)sizeof error->file - 1, path);
+}
+
 static enum rb_status fail(const struct rb_output *output, struct rb_error *error, const char *what)
 {
     int cause = errno;
-    if (error)
-        snprintf(error->file, sizeof error->file, "%.*s", (int)sizeof error->file - 1,
-                 output->path);
+    set_file(error, output->path);
     return rb_error_set(error, RB_FAILED, "cannot %s: %s", what, strerror(cause));
 }
 
@@ -124,4 +130,43 @@ void rb_output_discard_on_signal(void)
 {
     if (pending)
         unlink(pending_path);
+}
+
+// The bytes and a terminator. The size of the file is a hint: a pipe has none.
+static enum rb_status read_stream(FILE *stream, struct rb_array *text, struct rb_error *error)
+{
+    struct stat info;
+    bool sized = fstat(fileno(stream), &info) == 0 && S_ISREG(info.st_mode);
+    size_t step = sized ? (size_t)info.st_size + 1 : 1 << 16;
+    for (bool whole = false; !whole; step = 1 << 16) {
+        if (!rb_array_reserve(text, step + 1, 1))
+            return rb_error_memory(error, "the file");
+        size_t got = fread((char *)text->data + text->count, 1, step, stream);
+        text->count += got;
+        whole = got < step;
+    }
+    if (ferror(stream))
+        return rb_error_set(error, RB_FAILED, "cannot read: %s", strerror(errno));
+    ((char *)text->data)[text->count] = '\0';
+    return RB_OK;
+}
+
+enum rb_status rb_file_read(const char *path, char **text, size_t *size, struct rb_error *error)
+{
+    set_file(error, path);
+    *text = NULL;
+    *size = 0;
+    FILE *stream = fopen(path, "rb");
+    if (!stream)
+        return rb_error_set(error, RB_FAILED, "cannot open: %s", strerror(errno));
+    struct rb_array bytes = {0};
+    enum rb_status status = read_stream(stream, &bytes, error);
+    fclose(stream);
+    if (status) {
+        rb_array_release(&bytes);
+        return status;
+    }
+    *text = bytes.data;
+    *size = bytes.count;
+    return RB_OK;
 }

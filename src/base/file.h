@@ -2,7 +2,7 @@
 // and renamed when complete. A file that is replaced keeps its mode; a link keeps pointing at it. A
 // path that is not a regular file ("-", /dev/stdout, a pipe) is written in place.
 //
-// Not thread-safe: one output at a time. A file that is open when a signal handler calls
+// Outputs are not thread-safe: one at a time. A file that is open when a signal handler calls
 // rb_output_discard_on_signal is removed.
 #ifndef RB_BASE_FILE_H
 #define RB_BASE_FILE_H
@@ -34,5 +34,10 @@ void rb_output_discard(struct rb_output *output);
 
 // Async-signal-safe: removes the temporary file of the output now open, if any.
 void rb_output_discard_on_signal(void);
+
+// Reads a whole file, or a pipe up to its end. `*text` gets the bytes and a terminating NUL, to be
+// released with rb_free; `*size` does not count the NUL. RB_FAILED: it cannot be read, or there is
+// no memory; `*text` is then NULL. Sets error->file in any case. Thread-safe.
+enum rb_status rb_file_read(const char *path, char **text, size_t *size, struct rb_error *error);
 
 #endif
