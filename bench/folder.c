@@ -69,6 +69,35 @@ enum rb_status rb_folder_make(const char *parent, char path[RB_PATH_MAX], struct
     return fail("make the folder", path, error);
 }
 
+enum rb_status rb_folder_make_second(const char *first, char path[RB_PATH_MAX],
+                                     struct rb_error *error)
+{
+    if (snprintf(path, RB_PATH_MAX, "%s.against", first) >= RB_PATH_MAX)
+        errno = ENAMETOOLONG;
+    else if (mkdir(path, 0777) == 0)
+        return RB_OK;
+    return fail("make the folder", path, error);
+}
+
+enum rb_status rb_folder_find_stopped(const char *parent, char path[RB_PATH_MAX],
+                                      struct rb_error *error)
+{
+    char link[RB_PATH_MAX], name[RB_PATH_MAX / 2] = "", part[RB_PATH_MAX + 32];
+    snprintf(link, sizeof link, "%s/latest", parent);
+    if (readlink(link, name, sizeof name - 1) <= 0)
+        return fail("find a run to go on with", link, error);
+    if (snprintf(path, RB_PATH_MAX, "%s/%s", parent, name) >= RB_PATH_MAX) {
+        errno = ENAMETOOLONG;
+        return fail("find a run to go on with", link, error);
+    }
+    snprintf(part, sizeof part, "%s/samples.csv.part", path);
+    if (access(part, R_OK | W_OK) == 0)
+        return RB_OK;
+    snprintf(error->file, sizeof error->file, "%.255s", path);
+    return rb_error_set(error, RB_INVALID,
+                        "the newest run has come to its end; there is nothing to go on with");
+}
+
 enum rb_status rb_folder_link_latest(const char *parent, const char *path, struct rb_error *error)
 {
     char link[RB_PATH_MAX + 16], temporary[RB_PATH_MAX + 16];

@@ -12,6 +12,14 @@ enum rb_status rb_folder_check(const char *parent, struct rb_error *error);
 // Makes a new folder in `parent`; its path goes to `path`.
 enum rb_status rb_folder_make(const char *parent, char path[RB_PATH_MAX], struct rb_error *error);
 
+// Makes <first>.against, for the second program of a run.
+enum rb_status rb_folder_make_second(const char *first, char path[RB_PATH_MAX],
+                                     struct rb_error *error);
+
+// The folder <parent>/latest points to, if the run in it was stopped (samples.csv.part).
+enum rb_status rb_folder_find_stopped(const char *parent, char path[RB_PATH_MAX],
+                                      struct rb_error *error);
+
 // Points <parent>/latest at the folder.
 enum rb_status rb_folder_link_latest(const char *parent, const char *path, struct rb_error *error);
 

@@ -2,12 +2,11 @@
 #ifndef RB_BENCH_TABLE_H
 #define RB_BENCH_TABLE_H
 
-#include "bench/scene_bench.h"
+#include "bench/plan.h"
 
-// Frame times and speed-ups of all rows, then ns per ray by kernel and bounce, on standard output.
-void rb_table_print(const struct rb_scene_bench *bench);
-
-// The line about what the probes cost; `worst` is the largest share among the rows.
-void rb_table_print_probes(double probe_ns, double worst);
+// Frame times and speed-ups of the cells of one reference and side, where their time goes, ns per
+// ray by kernel and bounce, and what each row brings over its baseline. On standard output.
+void rb_table_print(const struct rb_plan *plan, const struct rb_reference *reference, int side,
+                    double probe_ns);
 
 #endif

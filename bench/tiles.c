@@ -20,43 +20,11 @@ enum rb_status rb_tiles_shuffle(struct rb_tiles *tiles, int width, int height, u
     return RB_OK;
 }
 
-static double pilot_s(const struct rb_tiles *tiles, struct rb_renderer *renderer, uint32_t count)
+void rb_tiles_group(const struct rb_tiles *tiles, uint32_t size, uint32_t g,
+                    struct rb_run_options *how)
 {
-    struct rb_run_options options = {.tiles = tiles->order, .tile_count = count};
-    struct rb_run_result result;
-    rb_renderer_run(renderer, &options, &result);
-    return (double)result.wall_ns * 1e-9 / count;
-}
-
-void rb_tiles_fit(struct rb_tiles *tiles, struct rb_renderer *renderer, double budget_s)
-{
-    double tile_s = pilot_s(tiles, renderer, 1);
-    if (tile_s * RB_GROUPS_MAX < 0.1 * budget_s && tiles->total >= RB_GROUPS_MAX)
-        tile_s = pilot_s(tiles, renderer, RB_GROUPS_MAX);
-    double affordable = budget_s / tile_s;
-    uint32_t count = affordable < tiles->total ? (uint32_t)affordable : tiles->total;
-    count = count ? count : 1;
-    if (count == tiles->total) {
-        tiles->group_count = 1;
-        tiles->group_size = count;
-        return;
-    }
-    tiles->group_count = count < RB_GROUPS_MAX ? count : RB_GROUPS_MAX;
-    tiles->group_size = count / tiles->group_count;
-}
-
-bool rb_tiles_complete(const struct rb_tiles *tiles)
-{
-    return tiles->group_count * tiles->group_size == tiles->total;
-}
-
-void rb_tiles_run(const struct rb_tiles *tiles, uint32_t g, struct rb_renderer *renderer,
-                  struct rb_run_result *result)
-{
-    struct rb_run_options options = {
-        .tiles = tiles->order + g * tiles->group_size,
-        .tile_count = tiles->group_size,
-        .hash_hits = true,
-    };
-    rb_renderer_run(renderer, &options, result);
+    size = size < tiles->total ? size : tiles->total;
+    uint32_t groups = tiles->total / size;
+    how->tiles = tiles->order + (size_t)(g % groups) * size;
+    how->tile_count = size;
 }

@@ -57,9 +57,20 @@ static bool occupy_standard_streams(void)
     return true;
 }
 
+// The words of the command line with blanks between them; for people.
+static char command_line[4096];
+
+static void join_words(int count, char **words)
+{
+    size_t length = 0;
+    for (int i = 0; i < count && length < sizeof command_line; i++)
+        length += (size_t)snprintf(command_line + length, sizeof command_line - length, "%s%s",
+                                   i ? " " : "", words[i]);
+}
+
 static int dispatch(const struct rb_command *command, int count, char **words)
 {
-    struct rb_arguments arguments = {0};
+    struct rb_arguments arguments = {.command_line = command_line};
     struct rb_error error = {0};
     if (rb_options_parse(command, count, words, &arguments, &error)) {
         struct rb_error hinted = error;
@@ -77,6 +88,7 @@ static int dispatch(const struct rb_command *command, int count, char **words)
 static int run(int argc, char **argv)
 {
     struct rb_error error = {0};
+    join_words(argc, argv);
     if (rb_cpu_check_disabled(&error))
         return rb_report(RB_INVALID, &error);
     const char *name = argc > 1 ? argv[1] : "";

@@ -106,6 +106,10 @@ static enum rb_status parse_option(const struct rb_command *command, int count, 
         return rb_error_set(error, RB_INVALID, "%s needs a value: %s", option->name, option->value);
     *used = option->value && !equals ? 2 : 1;
     const char *value = equals ? equals + 1 : option->value ? words[1] : "yes";
+    if (arguments->given_count == RB_GIVEN_MAX)
+        return rb_error_set(error, RB_INVALID, "more than %d options", RB_GIVEN_MAX);
+    arguments->given[arguments->given_count].name = option->name;
+    arguments->given[arguments->given_count++].value = value;
     return rb_value_assign(option, option->name, value, arguments, error);
 }
 

@@ -10,6 +10,18 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+enum { RB_GIVEN_MAX = 64 };
+
+// What only the harness can be told.
+struct rb_bench_arguments {
+    const char *scenes, *variants, *threads, *tiles, *depths, *light_samples; // lists, as given
+    const char *against;                                                      // a program
+    const char *expect;                                                       // hashes
+    double slice_s;
+    int processes, process, cpu, group_tiles;
+    bool resume, dry_run, full_reference;
+};
+
 // Everything any command can be told. Zero or NULL means not given.
 struct rb_arguments {
     const char *positional[16];
@@ -22,6 +34,12 @@ struct rb_arguments {
     bool size_given;
     enum rb_dialect dialect;
     double budget_s; // of a benchmark
+    struct rb_bench_arguments bench;
+    struct {
+        const char *name, *value; // "--depth", "3"; "" for a flag
+    } given[RB_GIVEN_MAX];        // the options, in order
+    int given_count;
+    const char *command_line; // as the user wrote it, about
 };
 
 enum rb_option_kind {

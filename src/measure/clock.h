@@ -32,8 +32,12 @@ static inline uint64_t rb_clock_ticks(void)
 }
 #endif
 
-// Calibrated against CLOCK_MONOTONIC on first use, which takes 20 ms; 4 ppm were measured to be the
-// error of that on a cloud VM. Not thread-safe until it has returned once.
+// Calibrated against CLOCK_MONOTONIC on first use, over the time since rb_clock_begin but at least
+// 20 ms; 4 ppm were measured to be the error of that on a cloud VM. Not thread-safe until it has
+// returned once.
 double rb_clock_ns_per_tick(void);
+
+// Starts the calibration, for programs that have other work to do meanwhile.
+void rb_clock_begin(void);
 
 #endif

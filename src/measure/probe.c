@@ -12,12 +12,12 @@ void rb_recorder_add(struct rb_recorder *recorder, const struct rb_recorder *oth
         for (int stage = 0; stage < RB_STAGE_COUNT; stage++) {
             recorder->tally[stage][bounce].ticks += other->tally[stage][bounce].ticks;
             recorder->tally[stage][bounce].rays += other->tally[stage][bounce].rays;
+            recorder->tally[stage][bounce].calls += other->tally[stage][bounce].calls;
         }
         recorder->reflected[bounce] += other->reflected[bounce];
         recorder->refracted[bounce] += other->refracted[bounce];
         recorder->hits[bounce] += other->hits[bounce];
     }
-    recorder->laps += other->laps;
 }
 
 uint64_t rb_recorder_stage_ticks(const struct rb_recorder *recorder, enum rb_stage stage)
@@ -26,6 +26,22 @@ uint64_t rb_recorder_stage_ticks(const struct rb_recorder *recorder, enum rb_sta
     for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
         ticks += recorder->tally[stage][bounce].ticks;
     return ticks;
+}
+
+uint64_t rb_recorder_ticks(const struct rb_recorder *recorder)
+{
+    uint64_t ticks = 0;
+    for (int stage = 0; stage < RB_STAGE_COUNT; stage++)
+        ticks += rb_recorder_stage_ticks(recorder, (enum rb_stage)stage);
+    return ticks;
+}
+
+void rb_probe_spin(const struct rb_recorder *recorder, double share)
+{
+    uint64_t start = rb_clock_ticks();
+    double lap = (double)(start - recorder->last);
+    while ((double)(rb_clock_ticks() - start) < lap * share)
+        ;
 }
 
 double rb_probe_cost_ns(void)

@@ -9,6 +9,11 @@
 
 #include <stdint.h>
 
+// Built with -DRB_PROBES=0, laps count rays but read no clock: what probes cost is the difference.
+#ifndef RB_PROBES
+#define RB_PROBES 1
+#endif
+
 enum rb_stage {
     RB_STAGE_GENERATE,
     RB_STAGE_TRACE,
@@ -24,9 +29,10 @@ enum { RB_BOUNCE_MAX = 32 };
 
 extern const char *const rb_stage_names[RB_STAGE_COUNT];
 
-// One kernel at one bounce. `rays` are the queue entries the kernel worked on, misses included.
+// One kernel at one bounce. `rays` are the queue entries the kernel worked on, misses included;
+// `calls` how often it was called, or for shade, which is two functions, both.
 struct rb_tally {
-    uint64_t ticks, rays;
+    uint64_t ticks, rays, calls;
 };
 
 // Of one thread. Zero-initialise, then rb_probe_start.
@@ -34,31 +40,35 @@ struct rb_recorder {
     struct rb_tally tally[RB_STAGE_COUNT][RB_BOUNCE_MAX];
     uint64_t reflected[RB_BOUNCE_MAX], refracted[RB_BOUNCE_MAX]; // rays by the bounce they enter
     uint64_t hits[RB_BOUNCE_MAX];                                // rays that hit something
-    uint64_t laps;
-    uint64_t last; // when the running lap began
+    uint64_t last;                                               // when the running lap began
 };
 
 static inline void rb_probe_start(struct rb_recorder *recorder)
 {
-    recorder->last = rb_clock_ticks();
+    recorder->last = RB_PROBES ? rb_clock_ticks() : 0;
 }
 
 static inline void rb_probe_lap(struct rb_recorder *recorder, enum rb_stage stage, int bounce,
                                 uint64_t rays)
 {
-    uint64_t now = rb_clock_ticks();
+    uint64_t now = RB_PROBES ? rb_clock_ticks() : 0;
     struct rb_tally *tally = &recorder->tally[stage][bounce];
     tally->ticks += now - recorder->last;
     tally->rays += rays;
-    recorder->laps++;
+    tally->calls++;
     recorder->last = now;
 }
+
+// Makes the running lap longer by `share` of itself, spinning. For tests of the harness: a
+// slow-down of known size in a known place.
+void rb_probe_spin(const struct rb_recorder *recorder, double share);
 
 // Adds everything `other` has recorded.
 void rb_recorder_add(struct rb_recorder *recorder, const struct rb_recorder *other);
 
-// Ticks of all bounces of a stage.
+// Ticks of all bounces of a stage, and of all stages.
 uint64_t rb_recorder_stage_ticks(const struct rb_recorder *recorder, enum rb_stage stage);
+uint64_t rb_recorder_ticks(const struct rb_recorder *recorder);
 
 // Nanoseconds one lap takes: the least mean of 100 runs of 1000 laps with nothing in between.
 double rb_probe_cost_ns(void);

@@ -23,6 +23,8 @@ struct rb_frame {
     const uint32_t *tiles; // indices of the tiles to render, or NULL for all
     uint32_t tile_count;
     bool hash_hits;
+    enum rb_stage slow_stage;
+    double slow_share;
     void (*progress)(void *user, uint32_t done, uint32_t total);
     void *user;
     atomic_uint next_tile, tiles_done;

@@ -10,6 +10,15 @@
 #include "base/hash.h"
 #include "render/frame.h"
 
+// Ends a stage; the one that a test wants slower takes its share longer.
+static void lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint64_t rays)
+{
+    const struct rb_frame *frame = worker->frame;
+    if (frame->slow_share > 0 && stage == frame->slow_stage)
+        rb_probe_spin(&worker->recorder, frame->slow_share);
+    rb_probe_lap(&worker->recorder, stage, bounce, rays);
+}
+
 static uint64_t hash_hits(const struct rb_rays *rays, const struct rb_hits *hits, uint32_t sample)
 {
     uint64_t sum = 0;
@@ -36,10 +45,10 @@ static void flush_shadows(struct rb_worker *worker, int bounce)
     if (shadows->count == 0)
         return;
     frame->kernels->trace_shadow(&frame->world, shadows);
-    rb_probe_lap(&worker->recorder, RB_STAGE_TRACE_SHADOW, bounce, shadows->count);
+    lap(worker, RB_STAGE_TRACE_SHADOW, bounce, shadows->count);
     resolve_shadows(&frame->film, shadows);
     shadows->count = 0;
-    rb_probe_lap(&worker->recorder, RB_STAGE_RESOLVE, bounce, 0);
+    lap(worker, RB_STAGE_RESOLVE, bounce, 0);
 }
 
 // Light after light, so that the shadow rays of one light stay together.
@@ -54,7 +63,7 @@ static void light_surfaces(struct rb_worker *worker, int bounce)
             if (shadows->count + surfaces->count > shadows->capacity)
                 flush_shadows(worker, bounce);
             frame->kernels->light(&frame->world, &frame->shading, surfaces, &sample, shadows);
-            rb_probe_lap(&worker->recorder, RB_STAGE_SHADE, bounce, 0);
+            lap(worker, RB_STAGE_SHADE, bounce, 0);
         }
     }
     flush_shadows(worker, bounce);
@@ -68,7 +77,6 @@ static void trace_batch(struct rb_worker *worker, int bounce, uint32_t first, ui
 {
     const struct rb_frame *frame = worker->frame;
     struct rb_queues *queues = &worker->queues;
-    struct rb_recorder *recorder = &worker->recorder;
     struct rb_rays rays = rb_rays_view(&queues->rays[bounce], first, count, count);
     bool last = bounce + 1 == frame->settings.depth;
     struct rb_rays reflected = {0}, refracted = {0};
@@ -77,21 +85,21 @@ static void trace_batch(struct rb_worker *worker, int bounce, uint32_t first, ui
         reflected = rb_rays_view(next, 0, 0, queues->batch);
         refracted = rb_rays_view(next, queues->batch, 0, queues->batch);
     }
-    rb_probe_lap(recorder, RB_STAGE_OTHER, bounce, 0);
+    lap(worker, RB_STAGE_OTHER, bounce, 0);
 
     frame->kernels->trace(&frame->world, &rays, &queues->hits);
-    rb_probe_lap(recorder, RB_STAGE_TRACE, bounce, count);
+    lap(worker, RB_STAGE_TRACE, bounce, count);
     if (frame->hash_hits) {
         worker->hits_hash += hash_hits(&rays, &queues->hits, worker->sample);
-        rb_probe_start(recorder); // hashing is no part of a frame
+        rb_probe_start(&worker->recorder); // hashing is no part of a frame
     }
 
     queues->surfaces.count = 0;
     frame->kernels->surface(&frame->world, &frame->shading, &rays, &queues->hits, &queues->surfaces,
                             last ? NULL : &reflected, last ? NULL : &refracted,
                             &worker->frame->film);
-    recorder->hits[bounce] += queues->surfaces.count;
-    rb_probe_lap(recorder, RB_STAGE_SHADE, bounce, count);
+    worker->recorder.hits[bounce] += queues->surfaces.count;
+    lap(worker, RB_STAGE_SHADE, bounce, count);
     light_surfaces(worker, bounce);
     if (!last)
         trace_children(worker, reflected.count, refracted.count, bounce + 1);
@@ -117,9 +125,9 @@ static void render_span(struct rb_worker *worker, const struct rb_span *span)
 {
     struct rb_rays *rays = &worker->queues.rays[0];
     rays->count = 0;
-    rb_probe_lap(&worker->recorder, RB_STAGE_OTHER, 0, 0);
+    lap(worker, RB_STAGE_OTHER, 0, 0);
     worker->frame->kernels->generate(&worker->frame->view, span, rays);
-    rb_probe_lap(&worker->recorder, RB_STAGE_GENERATE, 0, rays->count);
+    lap(worker, RB_STAGE_GENERATE, 0, rays->count);
     trace_batch(worker, 0, 0, rays->count);
 }
 
@@ -158,7 +166,7 @@ void rb_worker_run(struct rb_worker *worker)
         uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
         if (frame->progress && worker->reports)
             frame->progress(frame->user, done, frame->tile_count);
-        rb_probe_lap(&worker->recorder, RB_STAGE_OTHER, 0, 0);
+        lap(worker, RB_STAGE_OTHER, 0, 0);
     }
     rb_fpenv_leave(&saved);
 }

@@ -139,6 +139,8 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     frame->tiles = options->tiles;
     frame->tile_count = options->tiles ? options->tile_count : rb_renderer_tile_count(renderer);
     frame->hash_hits = options->hash_hits;
+    frame->slow_stage = options->slow_stage;
+    frame->slow_share = options->slow_share;
     frame->progress = options->progress;
     frame->user = options->user;
     atomic_store(&frame->next_tile, 0);
@@ -159,6 +161,8 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
         .thread_count = frame->thread_count,
     };
     for (int i = 0; i < count; i++) {
+        uint64_t busy = rb_recorder_ticks(&renderer->workers[i].recorder);
+        result->busy_max_ticks = busy > result->busy_max_ticks ? busy : result->busy_max_ticks;
         rb_recorder_add(&result->recorder, &renderer->workers[i].recorder);
         result->hits_hash += renderer->workers[i].hits_hash;
     }
@@ -190,4 +194,9 @@ uint32_t rb_renderer_tile_count(const struct rb_renderer *renderer)
 uint64_t rb_renderer_build_ns(const struct rb_renderer *renderer)
 {
     return renderer->build_ns;
+}
+
+size_t rb_renderer_tree_bytes(const struct rb_renderer *renderer)
+{
+    return renderer->bvh.bytes;
 }

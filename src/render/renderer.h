@@ -29,6 +29,9 @@ struct rb_run_options {
     const uint32_t *tiles; // indices of the tiles to render; NULL for the whole frame
     uint32_t tile_count;
     bool hash_hits; // costs time
+    // A test's wish: the stage takes this share longer, spinning. 0: no.
+    enum rb_stage slow_stage;
+    double slow_share;
     // Called by one of the workers after each of its tiles; may be NULL.
     void (*progress)(void *user, uint32_t done, uint32_t total);
     void *user;
@@ -38,6 +41,7 @@ struct rb_run_result {
     uint64_t wall_ns;
     int thread_count;            // that took part
     struct rb_recorder recorder; // sum over the threads
+    uint64_t busy_max_ticks;     // of the thread that was busy longest
     uint64_t hits_hash;          // of (sample, pixel, path, primitive, t, u, v) of every ray
     uint64_t image_hash;         // of the linear pixels of the tiles rendered
 };
@@ -53,6 +57,7 @@ void rb_renderer_pixels(const struct rb_renderer *renderer, float *pixels);
 const struct rb_settings *rb_renderer_settings(const struct rb_renderer *renderer);
 uint32_t rb_renderer_tile_count(const struct rb_renderer *renderer);
 uint64_t rb_renderer_build_ns(const struct rb_renderer *renderer);
+size_t rb_renderer_tree_bytes(const struct rb_renderer *renderer); // 0 without an accelerator
 
 // One pixel, step by step, through the kernels of the row, as an observer wants to see it.
 struct rb_pixel_ray {

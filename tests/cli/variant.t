@@ -1,11 +1,14 @@
 #!/bin/sh
 # Adding a variant takes one file and one row of the table: a copy of the sources gets both, and
-# must build, list, verify and measure the newcomer without another change.
+# must build, list, verify and measure the newcomer without another change. Two more rows are wrong,
+# one by an ulp at one hit in a hundred, one in its shadows: they must get no time.
 . "$(dirname "$0")/tap.sh"
 
 cp -r Makefile src bench "$tmp/"
 cat >"$tmp/src/kernels/dummy.c" <<'END'
 #include "kernels/kernel.h"
+
+#include <math.h>
 
 // Lends its bodies from others.
 static rb_trace_fn trace;
@@ -23,12 +26,37 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
 {
     rb_kernels_bvh.trace_shadow(world, shadows);
 }
+
+static void trace_almost(const struct rb_world *world, const struct rb_rays *rays,
+                         struct rb_hits *hits)
+{
+    rb_kernels_bvh.trace(world, rays, hits);
+    for (uint32_t i = 0; i < rays->count; i++)
+        if (rays->pixel[i] % 100 == 99 && hits->prim[i] != RB_NONE)
+            hits->t[i] = nextafterf(hits->t[i], 0.0f);
+}
+
+static void shadow_almost(const struct rb_world *world, struct rb_shadows *shadows)
+{
+    rb_kernels_bvh.trace_shadow(world, shadows);
+    for (uint32_t i = 0; i < shadows->count; i++)
+        shadows->occluded[i] ^= shadows->pixel[i] % 100 == 99;
+}
+
+const struct rb_kernels rb_kernels_wrong = {rb_scalar_generate, trace_almost, rb_scalar_surface,
+                                            rb_scalar_light, trace_shadow};
+const struct rb_kernels rb_kernels_dark = {rb_scalar_generate, trace, rb_scalar_surface,
+                                           rb_scalar_light, shadow_almost};
 END
-declaration='extern const struct rb_kernels rb_kernels_dummy;'
-row='{"dummy", "-", "bvh", \&rb_kernels_dummy, RB_ACCEL_BVH, rb_schedule_serial, "", true, 0},'
+declaration='extern const struct rb_kernels rb_kernels_dummy, rb_kernels_wrong, rb_kernels_dark;'
+rows=
+for name in dummy wrong dark; do
+    rows="$rows{\"$name\", \"-\", \"bvh\", \\&rb_kernels_$name, RB_ACCEL_BVH, rb_schedule_serial,"
+    rows="$rows \"\", true, 0},\\n"
+done
 sed -i "s/^extern const struct rb_kernels rb_kernels_bvh;/&\n$declaration/" \
     "$tmp/src/kernels/kernel.h"
-sed -i "s/^    {.name = NULL},/    $row\n&/" "$tmp/src/render/variants.c"
+sed -i "s/^    {.name = NULL},/    $rows&/" "$tmp/src/render/variants.c"
 env -u MAKEFLAGS -u MAKEOVERRIDES make -s -C "$tmp" -j 2 CONFIG=release SANITIZE= OPT=-O1 all \
     >"$tmp/log" 2>&1
 check 'it builds' [ -x "$tmp/build/release/raybench" ]
@@ -38,7 +66,13 @@ check 'it is listed' exits 0 list variants
 check 'by its name' grep -q '^dummy ' "$tmp/out"
 check 'it renders' exits 0 render mount_low --size 48x48 --variant dummy --hash --quiet
 check 'the same image and hits' [ "$(cat "$tmp/out")" = "$reference" ]
-check 'it is measured' exits 0 bench mount_low --size 32x32 --budget 0.3 --out "$tmp/results"
-check 'with a time' grep -qE '^"mount_low",32,32,5,1,1,64,dummy,1,trace,0,1024,[0-9]' \
-    "$tmp/results/latest/kernels.csv"
+check 'it is measured; wrong rows are an error' exits 2 bench mount_low --size 48x48 \
+    --variants bvh,dummy,wrong,dark --budget 1 --out "$tmp/results"
+csv=$tmp/results/latest/kernels.csv
+lines() { grep -E "^mount_low,48,48,5,1,1,64,$1,1,trace,0,2304,$2" "$csv"; }
+check 'with a time' lines dummy '[0-9]'
+check 'hits off by an ulp get none, and the reason' lines wrong ',,,,0,invalid'
+check 'wrong shadows get none' lines dark ',,,,0,invalid'
+check 'a person is told' grep -q 'wrong: image or hits differ from the reference' "$tmp/err"
+check 'in the table, too' grep -qE '^  dark .*invalid' "$tmp/out"
 finish
