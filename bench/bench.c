@@ -168,6 +168,7 @@ static enum rb_status write_side(const struct rb_run *run, const struct rb_argum
                 .tsc_error_ppm = (double)NAN,
                 .probe_ns = run->probe_ns,
                 .complete = !partial,
+                .program = side ? run->sides[side].program : NULL,
                 .started = run->started,
                 .pinning = "serial rows: a processor per process, in turn; OpenMP rows: "
                            "OMP_PROC_BIND=true unless set"},

@@ -1,14 +1,24 @@
 #include "bench/commands.h"
 
 #include "bench/bench.h"
+#include "bench/completions.h"
 #include "bench/doctor.h"
 #include "bench/worker.h"
 #include "cli/commands.h"
 
 #include <stddef.h>
 
+// A command a line, as --help lists them, whatever fits.
+// clang-format off
 const struct rb_command *const rb_commands[] = {
-    &rb_command_render, // as --help lists them
-    &rb_command_pixel,  &rb_command_info,   &rb_command_scene,  &rb_command_list,
-    &rb_command_bench,  &rb_command_doctor, &rb_command_worker, NULL,
+    &rb_command_render,
+    &rb_command_pixel,
+    &rb_command_info,
+    &rb_command_scene,
+    &rb_command_list,
+    &rb_command_bench,
+    &rb_command_doctor,
+    &rb_command_completions,
+    &rb_command_worker,
+    NULL,
 };

@@ -208,22 +208,20 @@ static bool hash_file(const char *path, uint64_t *hash, uint64_t *size)
     return whole;
 }
 
-static void write_binary(struct rb_json *json)
+static void write_binary(struct rb_json *json, const char *program)
 {
-    static const char self[] = "/proc/self/exe";
-    char path[4096];
     uint64_t hash, size;
-    ssize_t length = readlink(self, path, sizeof path - 1);
-    if (length < 0 || !hash_file(self, &hash, &size)) {
+    char *path = realpath(program ? program : "/proc/self/exe", NULL);
+    if (path && hash_file(path, &hash, &size)) {
+        rb_json_object(json, "binary");
+        rb_json_string(json, "path", path);
+        rb_json_hash(json, "hash", hash);
+        rb_json_unsigned(json, "size", size);
+        rb_json_end_object(json);
+    } else {
         rb_json_string(json, "binary", NULL);
-        return;
     }
-    path[length] = '\0';
-    rb_json_object(json, "binary");
-    rb_json_string(json, "path", path);
-    rb_json_hash(json, "hash", hash);
-    rb_json_unsigned(json, "size", size);
-    rb_json_end_object(json);
+    free(path);
 }
 
 static void write_scenes(struct rb_json *json, const struct rb_env_run *run)
@@ -275,9 +273,14 @@ void rb_env_write(FILE *out, const struct rb_env_run *run)
     rb_json_unsigned(&json, "seed", run->seed);
     rb_json_string(&json, "pinning", run->pinning);
     write_scenes(&json, run);
-    write_git(&json);
-    write_build(&json);
-    write_binary(&json);
+    if (run->program) { // how another program came about, we do not know
+        rb_json_string(&json, "git", NULL);
+        rb_json_string(&json, "build", NULL);
+    } else {
+        write_git(&json);
+        write_build(&json);
+    }
+    write_binary(&json, run->program);
     write_machine(&json, &machine, run);
     write_environment(&json);
     write_tools(&json);

@@ -25,6 +25,7 @@ struct rb_env_run {
     double probe_ns;
     bool complete;
     const char *pinning; // what was done about it; NULL: unknown
+    const char *program; // that was measured; NULL: this one
     time_t started;      // 0: when rb_env_write is called
 };
 

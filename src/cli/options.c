@@ -36,7 +36,7 @@ const struct rb_option rb_options_levels[] = {
 };
 
 const struct rb_option rb_options_variant[] = {
-    {"--variant", "NAME", RB_OPTION_TEXT, offsetof(struct rb_arguments, variant), 0, 0,
+    {"--variant", "VARIANT", RB_OPTION_TEXT, offsetof(struct rb_arguments, variant), 0, 0,
      "row of `raybench list variants`; default: the fastest available"},
     {.name = NULL},
 };
@@ -59,35 +59,31 @@ static const struct rb_option help_option = {
     "--help", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, help), 0, 0, "this text",
 };
 
-// The option called by the `length` bytes of `name`, or NULL; then `suggestion` may have one that
-// is called nearly so. Names lose `dashes` bytes before they are compared.
-static const struct rb_option *find(const struct rb_command *command, size_t dashes,
-                                    const char *name, size_t length,
-                                    struct rb_suggestion *suggestion)
+const struct rb_option *rb_options_at(const struct rb_command *command, int index)
 {
-    *suggestion = (struct rb_suggestion){.typed = name, .length = length};
     for (const struct rb_option *const *group = command->groups; *group; group++)
-        for (const struct rb_option *option = *group; option->name; option++) {
-            if (strncmp(option->name, "--", dashes) != 0)
-                continue;
-            const char *candidate = option->name + dashes;
-            if (strlen(candidate) == length && memcmp(candidate, name, length) == 0)
+        for (const struct rb_option *option = *group; option->name; option++)
+            if (index-- == 0)
                 return option;
-            rb_suggestion_offer(suggestion, candidate);
-        }
-    return NULL;
+    return index == 0 ? &help_option : NULL;
 }
 
-static const struct rb_option *find_word(const struct rb_command *command, const char *word,
-                                         size_t length, struct rb_suggestion *suggestion)
+// The option called by the `length` bytes of `name`, or NULL; then `suggestion` may have one that
+// is called nearly so. Keys of files are names without their two dashes; --help is none.
+static const struct rb_option *find(const struct rb_command *command, bool key, const char *name,
+                                    size_t length, struct rb_suggestion *suggestion)
 {
-    bool help = (length == 6 && memcmp(word, "--help", 6) == 0) ||
-                (length == 2 && memcmp(word, "-h", 2) == 0);
-    const struct rb_option *option =
-        help ? &help_option : find(command, 0, word, length, suggestion);
-    if (!option)
-        rb_suggestion_offer(suggestion, help_option.name);
-    return option;
+    const struct rb_option *option;
+    *suggestion = (struct rb_suggestion){.typed = name, .length = length};
+    for (int i = 0; (option = rb_options_at(command, i)); i++) {
+        if (key && (strncmp(option->name, "--", 2) != 0 || option == &help_option))
+            continue;
+        const char *candidate = option->name + (key ? 2 : 0);
+        if (strlen(candidate) == length && memcmp(candidate, name, length) == 0)
+            return option;
+        rb_suggestion_offer(suggestion, candidate);
+    }
+    return NULL;
 }
 
 // Takes the option at words[0], and its value if that is a word of its own: *used words of `count`.
@@ -95,12 +91,12 @@ static enum rb_status parse_option(const struct rb_command *command, int count, 
                                    int *used, struct rb_arguments *arguments,
                                    struct rb_error *error)
 {
-    const char *word = words[0];
+    const char *word = strcmp(words[0], "-h") == 0 ? help_option.name : words[0];
     const char *equals = strncmp(word, "--", 2) == 0 ? strchr(word, '=') : NULL;
     size_t length = equals ? (size_t)(equals - word) : strlen(word);
     struct rb_suggestion suggestion;
     char hint[RB_SUGGESTION_TEXT];
-    const struct rb_option *option = find_word(command, word, length, &suggestion);
+    const struct rb_option *option = find(command, false, word, length, &suggestion);
     if (!option)
         return rb_error_set(error, RB_INVALID, "unknown option %.200s%s", word,
                             rb_suggestion_text(&suggestion, hint));
@@ -146,7 +142,7 @@ enum rb_status rb_options_assign(const struct rb_command *command, const char *n
 {
     struct rb_suggestion suggestion;
     char hint[RB_SUGGESTION_TEXT];
-    const struct rb_option *option = find(command, 2, name, strlen(name), &suggestion);
+    const struct rb_option *option = find(command, true, name, strlen(name), &suggestion);
     if (!option)
         return rb_error_set(error, RB_INVALID, "unknown key '%.200s'%s", name,
                             rb_suggestion_text(&suggestion, hint));
@@ -163,11 +159,10 @@ static void help_line(const struct rb_option *option)
 
 void rb_options_help(const struct rb_command *command)
 {
+    const struct rb_option *option;
     printf("raybench %s - %s\n\nusage: raybench %s %s\n\n%s\n", command->name, command->summary,
            command->name, command->synopsis, command->text);
     printf("\nOptions:\n");
-    for (const struct rb_option *const *group = command->groups; *group; group++)
-        for (const struct rb_option *option = *group; option->name; option++)
-            help_line(option);
-    help_line(&help_option);
+    for (int i = 0; (option = rb_options_at(command, i)); i++)
+        help_line(option);
 }

@@ -57,9 +57,12 @@ enum rb_option_kind {
     RB_OPTION_COUNT,       // int >= 0, remembers that it was given (size)
 };
 
+// What values and arguments are called says what completes them: FILE, DIR, SCENE, VARIANT and the
+// other names of bench/complete.c, words in small letters as themselves, alternatives between bars
+// ("p3d|spd"). A list with commas ends in ",..." ("VARIANT,...").
 struct rb_option {
     const char *name;  // "--depth"; ends a table if NULL
-    const char *value; // what to call the value in the help; NULL for a flag
+    const char *value; // what to call the value in the help, see below; NULL for a flag
     enum rb_option_kind kind;
     size_t offset;    // of the target in rb_arguments
     double low, high; // inclusive, where the kind has a range
@@ -69,7 +72,7 @@ struct rb_option {
 struct rb_command {
     const char *name;
     const char *summary;  // one line
-    const char *synopsis; // positional arguments and options, after the name
+    const char *synopsis; // after the name, arguments in order: "SCENE [RESULT...] [options]"
     const char *text;     // paragraphs for --help
     int positional_min, positional_max;
     const struct rb_option *const *groups;            // option tables, NULL-ended
@@ -93,6 +96,9 @@ enum rb_status rb_options_parse(const struct rb_command *command, int count, cha
 enum rb_status rb_options_assign(const struct rb_command *command, const char *name,
                                  const char *value, struct rb_arguments *arguments,
                                  struct rb_error *error);
+
+// The options of a command by index, --help last; NULL beyond. For those who list them.
+const struct rb_option *rb_options_at(const struct rb_command *command, int index);
 
 // The full help page of a command, on standard output.
 void rb_options_help(const struct rb_command *command);

@@ -16,12 +16,14 @@ static const struct rb_option options[] = {
 const struct rb_command rb_command_scene = {
     .name = "scene",
     .summary = "generate a scene as an NFF file",
-    .synopsis = "balls|mount --size N [--dialect p3d|spd] [-o FILE]",
-    .text = "Generators of the Standard Procedural Databases (Eric Haines, 1987).\n\n"
-            "  raybench scene balls --size 4 -o balls_high.nff\n"
-            "  raybench scene mount --size 6 --dialect spd | raybench render - --spd --hash\n\n"
-            "In the p3d dialect balls 1, 2, 4 and mount 1, 5, 7 are the six scenes of the 2019\n"
-            "report. A preset name (balls_high) stands for its generator and size.",
+    .synopsis = "GENERATOR --size N [--dialect p3d|spd] [-o FILE]",
+    .text =
+        "`raybench list scenes` names the generators, those of the Standard Procedural Databases\n"
+        "(Eric Haines, 1987).\n\n"
+        "  raybench scene balls --size 4 -o balls_high.nff\n"
+        "  raybench scene mount --size 6 --dialect spd | raybench render - --spd --hash\n\n"
+        "In the p3d dialect balls 1, 2, 4 and mount 1, 5, 7 are the six scenes of the 2019\n"
+        "report. A preset name (balls_high) stands for its generator and size.",
     .positional_min = 1,
     .positional_max = 1,
     .groups = (const struct rb_option *const[]){options, NULL},
