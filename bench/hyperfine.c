@@ -44,7 +44,8 @@ bool rb_hyperfine_quote(char *const argv[], char *line, size_t size)
     for (int i = 0; argv[i]; i++) {
         if (!append(line, size, &length, i ? " '" : "'", i ? 2 : 1))
             return false;
-        for (const char *c = argv[i]; *c; c++) // a quote ends the quotes, and stands outside of them
+        for (const char *c = argv[i]; *c;
+             c++) // a quote ends the quotes, and stands outside of them
             if (!append(line, size, &length, *c == '\'' ? "'\\''" : c, *c == '\'' ? 4 : 1))
                 return false;
         if (!append(line, size, &length, "'", 1))
@@ -61,8 +62,8 @@ enum rb_status rb_hyperfine_run(char *const argv[], int warmups, int runs, const
         return rb_error_set(error, RB_FAILED, "the name of the program or folder is too long");
     snprintf(warmup_count, sizeof warmup_count, "%d", warmups);
     snprintf(run_count, sizeof run_count, "%d", runs);
-    char *words[] = {"hyperfine",     "--shell=none",  "--style=none", "--warmup", warmup_count,
-                     "--runs",        run_count,       "--export-json", (char *)json, command,
+    char *words[] = {"hyperfine", "--shell=none", "--style=none",  "--warmup",   warmup_count,
+                     "--runs",    run_count,      "--export-json", (char *)json, command,
                      NULL};
     struct rb_process_time whole;
     char *text;

@@ -14,10 +14,10 @@ enum { DEPTH_MAX = 32, NAME_ROOM = 16, NUMBER_ROOM = 64 };
 
 struct scanner {
     const char *start, *at, *end;
-    const char *problem;     // of the first thing wrong, NULL so far
+    const char *problem; // of the first thing wrong, NULL so far
     const char *problem_at;
     struct rb_run_times *times;
-    int results;              // objects in "results"
+    int results; // objects in "results"
     bool user, system, times_seen;
 };
 

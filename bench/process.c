@@ -16,7 +16,7 @@
 extern char **environ;
 
 static const int passed_on[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
-enum { PASSED_ON_COUNT = sizeof passed_on / sizeof *passed_on };
+enum { PASSED_ON_COUNT = sizeof passed_on / sizeof *passed_on, LINE_ROOM = 200 };
 
 static volatile sig_atomic_t interrupted;
 static volatile pid_t child;
@@ -47,8 +47,8 @@ static int spawn(char *const argv[], const char *log, const sigset_t *mask, pid_
         posix_spawnattr_setsigmask(&attributes, mask);
         posix_spawnattr_setflags(&attributes, flags);
         cause = posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
-        cause = cause ? cause
-                      : posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
+        cause =
+            cause ? cause : posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
         cause = cause ? cause
                       : posix_spawn_file_actions_addopen(&files, 2, log,
                                                          O_WRONLY | O_CREAT | O_TRUNC, 0666);
@@ -92,16 +92,16 @@ static int run_and_reap(char *const argv[], const char *log, const sigset_t *blo
     return 0;
 }
 
-// The last line of a file that has one; "" if there is none.
-static void last_line(const char *path, char *line, size_t size)
+// The last line of a file that is not empty, or the end of it; "" if there is none.
+static void last_line(const char *path, char line[LINE_ROOM])
 {
-    char text[256];
+    char text[LINE_ROOM];
     line[0] = '\0';
     FILE *file = fopen(path, "r");
     while (file && fgets(text, sizeof text, file)) {
         text[strcspn(text, "\r\n")] = '\0';
         if (text[0])
-            snprintf(line, size, "%s", text);
+            memcpy(line, text, sizeof text);
     }
     if (file)
         fclose(file);
@@ -110,12 +110,12 @@ static void last_line(const char *path, char *line, size_t size)
 static enum rb_status judge(const char *program, const char *log, int wait_status,
                             struct rb_error *error)
 {
-    char said[200];
+    char said[LINE_ROOM];
     if (interrupted)
         return rb_error_set(error, RB_FAILED, "interrupted");
     if (WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0)
         return RB_OK;
-    last_line(log, said, sizeof said);
+    last_line(log, said);
     if (WIFSIGNALED(wait_status))
         return rb_error_set(error, RB_FAILED, "%s was ended by signal %d", program,
                             WTERMSIG(wait_status));

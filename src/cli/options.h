@@ -22,6 +22,9 @@ struct rb_arguments {
     bool size_given;
     enum rb_dialect dialect;
     double budget_s; // of a benchmark
+    int runs;        // of the render-time table
+    const char *scenes, *variants, *readme;
+    bool check, rewrite;
 };
 
 enum rb_option_kind {
