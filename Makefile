@@ -89,7 +89,7 @@ FUZZ_S ?= 60
 fuzz:
 	scripts/fuzz $(FUZZ_S)
 
-## setup: install what the checks use beyond a compiler and make (Debian packages, needs root)
+## setup: install what checks and measuring use beyond a compiler (Debian packages, needs root)
 setup:
 	scripts/setup
 

@@ -23,8 +23,8 @@ static int run(const struct rb_arguments *arguments);
 static const double BUDGET_S = 15 * 60;
 
 static const struct rb_option options[] = {
-    {"--budget", "S", RB_OPTION_NUMBER, offsetof(struct rb_arguments, budget_s), 0.1, 864000,
-     "seconds to spend; default 900"},
+    {"--budget", "TIME", RB_OPTION_TIME, offsetof(struct rb_arguments, budget_s), 0.1, 864000,
+     "what to spend: 90s, 15m, 1h; default 15m"},
     {"--runs", "N", RB_OPTION_INT, offsetof(struct rb_arguments, runs), 1, 1000,
      "runs of what takes less than a second; default 10"},
     {"--scenes", "LIST", RB_OPTION_TEXT, offsetof(struct rb_arguments, scenes), 0, 0,
@@ -51,7 +51,7 @@ const struct rb_command rb_command_table = {
         "scenes of the 2019 report, every variant. Writes table1.csv, table1.md and the block\n"
         "between the markers of README.md.\n\n"
         "  raybench table\n"
-        "  raybench table --budget 60 --scenes 'balls_*' --out /tmp/table\n"
+        "  raybench table --budget 1m --scenes 'balls_*' --out /tmp/table\n"
         "  raybench table --check\n\n"
         "hyperfine keeps the time where it is installed, our own clock where not. All variants\n"
         "must make the same image; one that does not gets no time, and the exit code is 2. What\n"
@@ -96,6 +96,8 @@ static enum rb_status from_csv(const struct place *place, bool check, struct rb_
     enum rb_status status = rb_render_files_csv_path(place->folder, path, error);
     if (status == RB_OK)
         status = rb_render_table_load(path, &table, error);
+    if (status == RB_FAILED && access(path, F_OK) != 0)
+        return rb_error_set(error, RB_INVALID, "there is no table yet; run make table");
     if (status)
         return status;
     status = rb_render_complete(&place->selection, &table, error);
@@ -116,16 +118,17 @@ static enum rb_status check_place(const struct place *place, struct rb_error *er
 {
     const struct rb_render_table nothing = {0};
     struct rb_render_files files;
-    if ((mkdir(place->folder, 0777) != 0 && errno != EEXIST) ||
-        access(place->folder, W_OK | X_OK) != 0) {
+    if (mkdir(place->folder, 0777) != 0 && errno != EEXIST) {
         snprintf(error->file, sizeof error->file, "%.*s", (int)sizeof error->file - 1,
                  place->folder);
-        return rb_error_set(error, RB_FAILED, "cannot write into the folder: %s", strerror(errno));
+        return rb_error_set(error, RB_FAILED, "cannot make the folder: %s", strerror(errno));
     }
     enum rb_status status =
         rb_render_files_make(&files, &nothing, place->folder, place->readme, error);
-    if (status == RB_OK)
-        rb_render_files_free(&files);
+    if (status)
+        return status;
+    status = rb_render_files_probe(&files, error);
+    rb_render_files_free(&files);
     return status;
 }
 
@@ -203,7 +206,7 @@ static enum rb_status measure(const struct rb_arguments *arguments,
                   budget_s);
     status = rb_render_measure(session, runs, budget_s, table->rows, error);
     if (status == RB_OK)
-        printf("Measured in %.0f s.\n", (double)(rb_clock_ns() - start_ns) * 1e-9);
+        printf("Measured in %.1f s.\n", (double)(rb_clock_ns() - start_ns) * 1e-9);
     return status;
 }
 

@@ -125,6 +125,18 @@ enum rb_status rb_render_files_save(const struct rb_render_files *files, struct 
     return RB_OK;
 }
 
+enum rb_status rb_render_files_probe(const struct rb_render_files *files, struct rb_error *error)
+{
+    for (int i = 0; i < files->count; i++) {
+        struct rb_output output;
+        enum rb_status status = rb_output_open(&output, files->files[i].path, error);
+        if (status)
+            return status;
+        rb_output_discard(&output);
+    }
+    return RB_OK;
+}
+
 // Line of the first byte in which the texts differ; 0 if they are the same.
 static unsigned long first_difference(const char *a, size_t a_length, const char *b,
                                       size_t b_length)

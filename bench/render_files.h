@@ -31,6 +31,9 @@ void rb_render_files_free(struct rb_render_files *files);
 // Replaces the files, one after the other, each of them whole.
 enum rb_status rb_render_files_save(const struct rb_render_files *files, struct rb_error *error);
 
+// Could they be replaced? Nothing is changed.
+enum rb_status rb_render_files_probe(const struct rb_render_files *files, struct rb_error *error);
+
 // RB_INVALID with file and line if a file on disk differs from its text.
 enum rb_status rb_render_files_check(const struct rb_render_files *files, struct rb_error *error);
 
