@@ -57,7 +57,7 @@ TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench test unit exact check fuzz setup clean help force
+.PHONY: all bench table test unit exact check fuzz setup clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -65,6 +65,10 @@ all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
 ## bench: measure every variant on the six scenes, under two minutes; results/latest has the CSV
 bench: all
 	$(B)/raybench bench $(SCENES)
+
+## table: the render times of Table 1, about 15 minutes (CHECK=1: are the committed files stale?)
+table: all
+	$(B)/raybench table $(if $(CHECK),--check) $(TABLE)
 
 ## test: build and run every test (TAP, through perl's prove)
 test: all unit $(FUZZ_REPLAY)
@@ -85,7 +89,7 @@ FUZZ_S ?= 60
 fuzz:
 	scripts/fuzz $(FUZZ_S)
 
-## setup: install what the checks use beyond a compiler and make (Debian packages, needs root)
+## setup: install what checks and measuring use beyond a compiler (Debian packages, needs root)
 setup:
 	scripts/setup
 

@@ -3,6 +3,7 @@
 #include "bench/bench.h"
 #include "bench/completions.h"
 #include "bench/doctor.h"
+#include "bench/render_command.h"
 #include "bench/worker.h"
 #include "cli/commands.h"
 
@@ -17,6 +18,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_scene,
     &rb_command_list,
     &rb_command_bench,
+    &rb_command_table,
     &rb_command_doctor,
     &rb_command_completions,
     &rb_command_worker,

@@ -20,6 +20,9 @@ struct rb_bench_arguments {
     double slice_s;
     int processes, process, cpu, group_tiles;
     bool resume, dry_run, full_reference;
+    int runs; // of the render-time table, as the next ones
+    const char *readme;
+    bool check, rewrite;
 };
 
 // Everything any command can be told. Zero or NULL means not given.
