@@ -145,13 +145,6 @@ static double place_ns_per_ray(const struct rb_sample *sample, const void *what)
     return rb_sample_has_stages(sample) && rays > 0 ? place_ns(sample, what) / rays : (double)NAN;
 }
 
-static double stage_ns(const struct rb_sample *sample, const void *what)
-{
-    return rb_sample_has_stages(sample)
-               ? (double)rb_sample_stage_ns(sample, *(const enum rb_stage *)what)
-               : (double)NAN;
-}
-
 static double busy_ns(const struct rb_sample *sample, const void *what)
 {
     (void)what;
@@ -208,11 +201,6 @@ struct rb_figure rb_cell_ns_per_ray(const struct rb_cell *cell, enum rb_stage st
     return figure;
 }
 
-struct rb_figure rb_cell_stage_ns(const struct rb_cell *cell, enum rb_stage stage)
-{
-    return whole_frame(cell, stage_ns, &stage);
-}
-
 struct rb_figure rb_cell_frame_ns(const struct rb_cell *cell)
 {
     return whole_frame(cell, cell->group_tiles ? shared_ns : wall_ns, NULL);
@@ -226,6 +214,18 @@ struct rb_figure rb_cell_build_ns(const struct rb_cell *cell)
 double rb_cell_busy_ns(const struct rb_cell *cell)
 {
     return whole_frame(cell, busy_ns, NULL).value;
+}
+
+double rb_cell_share(const struct rb_cell *cell, enum rb_stage stage, int bounce)
+{
+    double part = 0, all = 0;
+    for (size_t i = 0; i < cell->sample_count; i++) {
+        const struct rb_sample *sample = &cell->samples[i];
+        part += (double)(bounce < 0 ? rb_sample_stage_ns(sample, stage)
+                                    : sample->stage[stage][bounce].ns);
+        all += (double)rb_sample_busy_ns(sample);
+    }
+    return rb_cell_has_time(cell) && all > 0 ? part / all : (double)NAN;
 }
 
 double rb_cell_imbalance(const struct rb_cell *cell)

@@ -61,11 +61,20 @@ check 'stages add up to the frame' awk -F, -v ns="$(column "$samples" ns)" \
 share=$(column "$csv" share_pct)
 check 'other is under 3 %' awk -F, -v share="$share" \
     '$10 == "other" { n++; bad += $share > 3 } END { exit !(n > 0 && !bad) }' "$csv"
-check 'shares add up to about 100 %' awk -F, -v share="$share" '
+check 'shares add up to 100 %' awk -F, -v share="$share" '
     NR > 1 { sum[$1 $8] += $share }
     END {
-        for (k in sum) { n++; bad += sum[k] < 80 || sum[k] > 125 } # medians: about
+        for (k in sum) { n++; bad += sum[k] < 99.99 || sum[k] > 100.01 }
         exit !(n == 6 && !bad)
+    }' "$csv"
+check 'times per pixel add up to the frame, one thread' awk -F, \
+    -v ns="$(column "$csv" ns_per_pixel)" '
+    $8 ~ /omp/ || NR == 1 || $10 == "build" { next }
+    $10 == "frame" { frame[$1 $8] = $ns; next }
+    { sum[$1 $8] += $ns }
+    END {
+        for (k in frame) { n++; bad += sum[k] < 0.99 * frame[k] || sum[k] > 1.01 * frame[k] }
+        exit !(n == 4 && !bad)
     }' "$csv"
 
 # Plans.
