@@ -39,8 +39,8 @@ const struct rb_command rb_command_bench = {
     "Results are kept in DIR/latest/kernels.csv; results/README.md explains the columns.",
     .positional_min = 0,
     .positional_max = 16,
-    .groups = (const struct rb_option *const[]){options, rb_options_settings, rb_options_threads,
-                                                rb_options_strict, NULL},
+    .groups = (const struct rb_option *const[]){options, rb_options_settings, rb_options_levels,
+                                                rb_options_threads, rb_options_strict, NULL},
     .run = run,
 };
 

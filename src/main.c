@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "bench/commands.h"
 #include "cli/commands.h"
+#include "cli/suggest.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -19,7 +20,8 @@ static void print_help(void)
     printf("raybench measures a ray tracer: time per ray, per kernel, per bounce.\n\n"
            "usage: raybench COMMAND [arguments]\n\n");
     for (const struct rb_command *const *command = rb_commands; *command; command++)
-        printf("  %-8s %s\n", (*command)->name, (*command)->summary);
+        if (!(*command)->hidden)
+            printf("  %-11s %s\n", (*command)->name, (*command)->summary);
     printf("\nraybench COMMAND --help explains a command; raybench --version prints the version.\n"
            "Start with: raybench render balls_high -o balls.ppm\n\n"
            "Exit codes: 0 fine, 1 runtime failure (memory, disk), 2 bad usage or input.\n");
@@ -86,13 +88,19 @@ static int run(int argc, char **argv)
         printf("raybench " VERSION "\n");
         return 0;
     }
-    for (const struct rb_command *const *command = rb_commands; *command; command++)
+    struct rb_suggestion suggestion = {.typed = name, .length = strlen(name)};
+    for (const struct rb_command *const *command = rb_commands; *command; command++) {
         if (strcmp(name, (*command)->name) == 0)
             return dispatch(*command, argc - 2, argv + 2);
+        if (!(*command)->hidden)
+            rb_suggestion_offer(&suggestion, (*command)->name);
+    }
+    char hint[RB_SUGGESTION_TEXT];
     if (argc > 1)
-        fprintf(stderr, "raybench: there is no command '%s'; see raybench --help\n", name);
+        fprintf(stderr, "raybench: there is no command '%s'%s (see raybench --help)\n", name,
+                rb_suggestion_text(&suggestion, hint));
     else
-        fprintf(stderr, "raybench: no command given; see raybench --help\n");
+        fprintf(stderr, "raybench: no command given (see raybench --help)\n");
     return RB_INVALID;
 }
 

@@ -1,33 +1,37 @@
 #include "cli/options.h"
 
-#include <errno.h>
-#include <limits.h>
-#include <math.h>
+#include "cli/suggest.h"
+#include "cli/values.h"
+
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define SETTING(field) offsetof(struct rb_arguments, settings.field)
 
 const struct rb_option rb_options_settings[] = {
-    {"--size", "WxH", RB_OPTION_SIZE, 0, 0, 0, "image size; default: the scene's resolution"},
-    {"--depth", "N", RB_OPTION_INT, SETTING(depth), 1, RB_DEPTH_MAX,
-     "levels of the ray tree, 1 = camera rays only; default 5"},
+    {"--size", "WxH", RB_OPTION_SIZE, offsetof(struct rb_arguments, settings), 0, 0,
+     "image size; default: the scene's resolution"},
     {"--aa", "N", RB_OPTION_INT, SETTING(aa), 1, RB_AA_MAX,
      "anti-aliasing: N x N stratified rays per pixel; default 1"},
-    {"--light-samples", "N", RB_OPTION_INT, SETTING(light_samples), 1, RB_LIGHT_SAMPLES_MAX,
-     "shadow rays per light; default 1"},
     {"--light-size", "S", RB_OPTION_NUMBER, SETTING(light_size), 0, 1e6,
      "edge of the square lights in world units, for soft shadows; default 0"},
-    {"--light-scale", "auto|X", RB_OPTION_LIGHT_SCALE, 0, 0, 0,
+    {"--light-scale", "auto|X", RB_OPTION_LIGHT_SCALE, SETTING(light_scale), 1e-6, 1e6,
      "multiplies every light; auto = 1/sqrt(number of lights)"},
     {"--ambient", "A", RB_OPTION_NUMBER, SETTING(ambient), 0, 1e6,
      "adds A x Kd x colour to every hit; default 0"},
-    {"--specular", "blinn|phong", RB_OPTION_SPECULAR, 0, 0, 0,
+    {"--specular", "blinn|phong", RB_OPTION_SPECULAR, SETTING(phong), 0, 0,
      "highlight by half vector or by mirrored ray; default blinn"},
     {"--spd", NULL, RB_OPTION_FLAG, SETTING(spd), 0, 0,
      "SPD's test rules: rays through pixel corners, one-sided opaque surfaces"},
     {"--seed", "N", RB_OPTION_SEED, SETTING(seed), 0, 0, "of the random numbers; default 0"},
+    {.name = NULL},
+};
+
+const struct rb_option rb_options_levels[] = {
+    {"--depth", "N", RB_OPTION_INT, SETTING(depth), 1, RB_DEPTH_MAX,
+     "levels of the ray tree, 1 = camera rays only; default 5"},
+    {"--light-samples", "N", RB_OPTION_INT, SETTING(light_samples), 1, RB_LIGHT_SAMPLES_MAX,
+     "shadow rays per light; default 1"},
     {.name = NULL},
 };
 
@@ -55,158 +59,94 @@ static const struct rb_option help_option = {
     "--help", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, help), 0, 0, "this text",
 };
 
-static const struct rb_option *find(const struct rb_command *command, const char *name,
-                                    size_t length)
+// The option called by the `length` bytes of `name`, or NULL; then `suggestion` may have one that
+// is called nearly so. Names lose `dashes` bytes before they are compared.
+static const struct rb_option *find(const struct rb_command *command, size_t dashes,
+                                    const char *name, size_t length,
+                                    struct rb_suggestion *suggestion)
 {
+    *suggestion = (struct rb_suggestion){.typed = name, .length = length};
     for (const struct rb_option *const *group = command->groups; *group; group++)
-        for (const struct rb_option *option = *group; option->name; option++)
-            if (strlen(option->name) == length && memcmp(option->name, name, length) == 0)
+        for (const struct rb_option *option = *group; option->name; option++) {
+            if (strncmp(option->name, "--", dashes) != 0)
+                continue;
+            const char *candidate = option->name + dashes;
+            if (strlen(candidate) == length && memcmp(candidate, name, length) == 0)
                 return option;
-    bool help = (length == 6 && memcmp(name, "--help", 6) == 0) ||
-                (length == 2 && memcmp(name, "-h", 2) == 0);
-    return help ? &help_option : NULL;
+            rb_suggestion_offer(suggestion, candidate);
+        }
+    return NULL;
 }
 
-static enum rb_status refuse(const struct rb_option *option, const char *text, const char *wanted,
-                             struct rb_error *error)
+static const struct rb_option *find_word(const struct rb_command *command, const char *word,
+                                         size_t length, struct rb_suggestion *suggestion)
 {
-    return rb_error_set(error, RB_INVALID, "%s %s: expected %s", option->name, text, wanted);
+    bool help = (length == 6 && memcmp(word, "--help", 6) == 0) ||
+                (length == 2 && memcmp(word, "-h", 2) == 0);
+    const struct rb_option *option =
+        help ? &help_option : find(command, 0, word, length, suggestion);
+    if (!option)
+        rb_suggestion_offer(suggestion, help_option.name);
+    return option;
 }
 
-static bool parse_number(const char *text, double low, double high, double *value)
+// Takes the option at words[0], and its value if that is a word of its own: *used words of `count`.
+static enum rb_status parse_option(const struct rb_command *command, int count, char **words,
+                                   int *used, struct rb_arguments *arguments,
+                                   struct rb_error *error)
 {
-    char *end;
-    errno = 0;
-    *value = strtod(text, &end);
-    bool decimal = strspn(text, "0123456789+-.eE") == strlen(text);
-    return end != text && *end == '\0' && decimal && errno == 0 && *value >= low && *value <= high;
-}
-
-static bool parse_integer(const char *text, double low, double high, int *value)
-{
-    double number;
-    if (!parse_number(text, low, high, &number) || number != floor(number))
-        return false;
-    *value = (int)number;
-    return true;
-}
-
-static bool parse_size(const char *text, struct rb_settings *settings)
-{
-    char width[16] = "";
-    const char *x = strchr(text, 'x');
-    if (!x || (size_t)(x - text) >= sizeof width)
-        return false;
-    memcpy(width, text, (size_t)(x - text));
-    return parse_integer(width, 1, RB_SIZE_MAX, &settings->width) &&
-           parse_integer(x + 1, 1, RB_SIZE_MAX, &settings->height);
-}
-
-static bool parse_seed(const char *text, uint64_t *seed)
-{
-    char *end;
-    errno = 0;
-    unsigned long long value = strtoull(text, &end, 10);
-    *seed = value;
-    return text[0] >= '0' && text[0] <= '9' && *end == '\0' && errno == 0;
-}
-
-// Is `text` the first or the second word? The answer goes to `second`.
-static bool parse_either(const char *text, const char *first_word, const char *second_word,
-                         bool *second)
-{
-    *second = strcmp(text, second_word) == 0;
-    return *second || strcmp(text, first_word) == 0;
-}
-
-static enum rb_status assign(const struct rb_option *option, const char *text,
-                             struct rb_arguments *arguments, struct rb_error *error)
-{
-    void *target = (char *)arguments + option->offset;
-    char wanted[96];
-    bool second = false;
-    switch (option->kind) {
-    case RB_OPTION_FLAG:
-        *(bool *)target = true;
-        return RB_OK;
-    case RB_OPTION_TEXT:
-        *(const char **)target = text;
-        return RB_OK;
-    case RB_OPTION_INT:
-        snprintf(wanted, sizeof wanted, "a whole number from %.0f to %.0f", option->low,
-                 option->high);
-        return parse_integer(text, option->low, option->high, target)
-                   ? RB_OK
-                   : refuse(option, text, wanted, error);
-    case RB_OPTION_NUMBER:
-        snprintf(wanted, sizeof wanted, "a number from %g to %g", option->low, option->high);
-        return parse_number(text, option->low, option->high, target)
-                   ? RB_OK
-                   : refuse(option, text, wanted, error);
-    case RB_OPTION_SEED:
-        return parse_seed(text, target) ? RB_OK
-                                        : refuse(option, text, "a whole number below 2^64", error);
-    case RB_OPTION_SIZE:
-        return parse_size(text, &arguments->settings)
-                   ? RB_OK
-                   : refuse(option, text, "WIDTHxHEIGHT in pixels, such as 512x512", error);
-    case RB_OPTION_SPECULAR:
-        if (!parse_either(text, "blinn", "phong", &arguments->settings.phong))
-            return refuse(option, text, "blinn or phong", error);
-        return RB_OK;
-    case RB_OPTION_LIGHT_SCALE:
-        if (strcmp(text, "auto") == 0)
-            arguments->settings.light_scale = 0;
-        else if (!parse_number(text, 1e-6, 1e6, &arguments->settings.light_scale))
-            return refuse(option, text, "auto or a number from 1e-6 to 1e6", error);
-        return RB_OK;
-    case RB_OPTION_DIALECT:
-        if (!parse_either(text, "p3d", "spd", &second))
-            return refuse(option, text, "p3d or spd", error);
-        arguments->dialect = second ? RB_DIALECT_SPD : RB_DIALECT_P3D;
-        return RB_OK;
-    case RB_OPTION_COUNT:
-        arguments->size_given = true;
-        return parse_integer(text, 0, INT_MAX, &arguments->size)
-                   ? RB_OK
-                   : refuse(option, text, "a whole number", error);
-    }
-    return RB_INVALID;
+    const char *word = words[0];
+    const char *equals = strncmp(word, "--", 2) == 0 ? strchr(word, '=') : NULL;
+    size_t length = equals ? (size_t)(equals - word) : strlen(word);
+    struct rb_suggestion suggestion;
+    char hint[RB_SUGGESTION_TEXT];
+    const struct rb_option *option = find_word(command, word, length, &suggestion);
+    if (!option)
+        return rb_error_set(error, RB_INVALID, "unknown option %.200s%s", word,
+                            rb_suggestion_text(&suggestion, hint));
+    if (!option->value && equals)
+        return rb_error_set(error, RB_INVALID, "%s takes no value", option->name);
+    if (option->value && !equals && count == 1)
+        return rb_error_set(error, RB_INVALID, "%s needs a value: %s", option->name, option->value);
+    *used = option->value && !equals ? 2 : 1;
+    const char *value = equals ? equals + 1 : option->value ? words[1] : "yes";
+    return rb_value_assign(option, option->name, value, arguments, error);
 }
 
 enum rb_status rb_options_parse(const struct rb_command *command, int count, char **words,
                                 struct rb_arguments *arguments, struct rb_error *error)
 {
     bool options_end = false;
-    for (int i = 0; i < count; i++) {
-        char *word = words[i];
+    for (int i = 0, used; i < count; i += used) {
+        const char *word = words[i];
+        used = 1;
         if (options_end || word[0] != '-' || strcmp(word, "-") == 0) {
             if (arguments->positional_count == command->positional_max)
                 return rb_error_set(error, RB_INVALID, "unexpected argument '%s'", word);
             arguments->positional[arguments->positional_count++] = word;
-            continue;
-        }
-        options_end = strcmp(word, "--") == 0;
-        if (options_end)
-            continue;
-        const char *equals = strncmp(word, "--", 2) == 0 ? strchr(word, '=') : NULL;
-        size_t length = equals ? (size_t)(equals - word) : strlen(word);
-        const struct rb_option *option = find(command, word, length);
-        if (!option)
-            return rb_error_set(error, RB_INVALID, "unknown option %s", word);
-        if (!option->value && equals)
-            return rb_error_set(error, RB_INVALID, "%s takes no value", option->name);
-        if (option->value && !equals && i + 1 == count)
-            return rb_error_set(error, RB_INVALID, "%s needs a value: %s", option->name,
-                                option->value);
-        const char *value = equals ? equals + 1 : option->value ? words[++i] : "";
-        if (assign(option, value, arguments, error))
+        } else if (strcmp(word, "--") == 0) {
+            options_end = true;
+        } else if (parse_option(command, count - i, words + i, &used, arguments, error)) {
             return RB_INVALID;
+        }
     }
     if (!arguments->help && arguments->positional_count < command->positional_min)
         return rb_error_set(error, RB_INVALID, "missing argument; usage: raybench %s %s",
                             command->name, command->synopsis);
     return RB_OK;
+}
+
+enum rb_status rb_options_assign(const struct rb_command *command, const char *name,
+                                 const char *value, struct rb_arguments *arguments,
+                                 struct rb_error *error)
+{
+    struct rb_suggestion suggestion;
+    char hint[RB_SUGGESTION_TEXT];
+    const struct rb_option *option = find(command, 2, name, strlen(name), &suggestion);
+    if (!option)
+        return rb_error_set(error, RB_INVALID, "unknown key '%.200s'%s", name,
+                            rb_suggestion_text(&suggestion, hint));
+    return rb_value_assign(option, name, value, arguments, error);
 }
 
 static void help_line(const struct rb_option *option)

@@ -25,14 +25,15 @@ struct rb_arguments {
 };
 
 enum rb_option_kind {
-    RB_OPTION_FLAG,        // bool
+    RB_OPTION_FLAG,        // bool; as a key of rb_options_assign "yes" or "no"
     RB_OPTION_TEXT,        // const char *
     RB_OPTION_INT,         // int within [low, high]
     RB_OPTION_NUMBER,      // double within [low, high]
+    RB_OPTION_TIME,        // double, seconds within [low, high]: "90", "90s", "1.5m", "500ms", "2h"
     RB_OPTION_SEED,        // uint64_t
     RB_OPTION_SIZE,        // settings.width and height, "WxH"
     RB_OPTION_SPECULAR,    // settings.phong, "blinn" or "phong"
-    RB_OPTION_LIGHT_SCALE, // settings.light_scale, "auto" or a number
+    RB_OPTION_LIGHT_SCALE, // settings.light_scale, "auto" or a number within [low, high]
     RB_OPTION_DIALECT,     // dialect, "p3d" or "spd"
     RB_OPTION_COUNT,       // int >= 0, remembers that it was given (size)
 };
@@ -42,7 +43,7 @@ struct rb_option {
     const char *value; // what to call the value in the help; NULL for a flag
     enum rb_option_kind kind;
     size_t offset;    // of the target in rb_arguments
-    double low, high; // inclusive, for INT and NUMBER
+    double low, high; // inclusive, where the kind has a range
     const char *help;
 };
 
@@ -54,10 +55,12 @@ struct rb_command {
     int positional_min, positional_max;
     const struct rb_option *const *groups;            // option tables, NULL-ended
     int (*run)(const struct rb_arguments *arguments); // returns the exit code
+    bool hidden;                                      // works, but no list shows it
 };
 
 // Tables that several commands share.
-extern const struct rb_option rb_options_settings[]; // how to render
+extern const struct rb_option rb_options_settings[]; // how to render, but for the next table
+extern const struct rb_option rb_options_levels[];   // --depth, --light-samples
 extern const struct rb_option rb_options_variant[];  // --variant
 extern const struct rb_option rb_options_threads[];  // --threads, --tile
 extern const struct rb_option rb_options_strict[];   // reading scenes
@@ -65,6 +68,12 @@ extern const struct rb_option rb_options_strict[];   // reading scenes
 // Parses the arguments behind the command's name. On RB_INVALID `error` says what is wrong.
 enum rb_status rb_options_parse(const struct rb_command *command, int count, char **words,
                                 struct rb_arguments *arguments, struct rb_error *error);
+
+// Assigns one option by its long name without the dashes ("depth"), for files of `key = value`.
+// `value` must outlive `arguments`. RB_INVALID where no option has this name or the value is wrong.
+enum rb_status rb_options_assign(const struct rb_command *command, const char *name,
+                                 const char *value, struct rb_arguments *arguments,
+                                 struct rb_error *error);
 
 // The full help page of a command, on standard output.
 void rb_options_help(const struct rb_command *command);

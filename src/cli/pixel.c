@@ -20,8 +20,9 @@ const struct rb_command rb_command_pixel = {
     "  raybench pixel balls_high 256 256 --depth 3 --variant naive",
     .positional_min = 3,
     .positional_max = 3,
-    .groups = (const struct rb_option *const[]){rb_options_settings, rb_options_variant,
-                                                rb_options_threads, rb_options_strict, NULL},
+    .groups = (const struct rb_option *const[]){rb_options_settings, rb_options_levels,
+                                                rb_options_variant, rb_options_threads,
+                                                rb_options_strict, NULL},
     .run = run,
 };
 

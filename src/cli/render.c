@@ -34,8 +34,9 @@ const struct rb_command rb_command_render = {
     "(distance, primitive, u, v) of every ray. A file is written whole or not at all.",
     .positional_min = 1,
     .positional_max = 1,
-    .groups = (const struct rb_option *const[]){options, rb_options_settings, rb_options_variant,
-                                                rb_options_threads, rb_options_strict, NULL},
+    .groups = (const struct rb_option *const[]){options, rb_options_settings, rb_options_levels,
+                                                rb_options_variant, rb_options_threads,
+                                                rb_options_strict, NULL},
     .run = run,
 };
 

@@ -4,8 +4,9 @@
 static int run(const struct rb_arguments *arguments);
 
 static const struct rb_option options[] = {
-    {"--size", "N", RB_OPTION_COUNT, 0, 0, 0, "size of the scene, exponential in objects"},
-    {"--dialect", "p3d|spd", RB_OPTION_DIALECT, 0, 0, 0,
+    {"--size", "N", RB_OPTION_COUNT, offsetof(struct rb_arguments, size), 0, 0,
+     "size of the scene, exponential in objects"},
+    {"--dialect", "p3d|spd", RB_OPTION_DIALECT, offsetof(struct rb_arguments, dialect), 0, 0,
      "the course's files (default) or the original database's"},
     {"-o", "FILE", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
      "file to write; default: standard output"},

@@ -46,9 +46,11 @@ check '--ambient changes the image' [ "$(hash balls_low --size 32x32 --ambient 0
 
 # Bad usage: one line, exit code 2.
 check 'no command' complains 2 'see raybench --help'
-check 'unknown command' complains 2 "no command 'rendr'" rendr
+check 'unknown command' complains 2 "no command 'rendr'; did you mean render\? \(see" rendr
+check 'unknown command like no other' complains 2 "no command 'dance' \(see" dance
 check 'no scene' complains 2 'missing argument' render
-check 'unknown option' complains 2 'unknown option --dept' render balls_low --dept 3
+check 'unknown option' complains 2 'unknown option --dept; did you mean --depth\?' \
+    render balls_low --dept 3
 check 'value missing' complains 2 'needs a value' render balls_low --depth
 check 'depth 0' complains 2 'whole number from 1' render balls_low --depth 0
 check 'depth word' complains 2 'whole number' render balls_low --depth deep
