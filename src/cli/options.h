@@ -21,7 +21,10 @@ struct rb_arguments {
     int size; // of a generated scene
     bool size_given;
     enum rb_dialect dialect;
-    double budget_s; // of a benchmark
+    double budget_s;                         // of a benchmark
+    const char *scenes, *variants, *kernels; // lists of names
+    double level, threshold_pct;             // of a comparison
+    bool bounces, gate;
 };
 
 enum rb_option_kind {
