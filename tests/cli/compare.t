@@ -2,8 +2,8 @@
 # raybench compare: what it finds in runs made up here, and what it refuses.
 . "$(dirname "$0")/tap.sh"
 
-# FOLDER SESSION SEED [NAME=VALUE...]: a made-up run. Noise is seeded and only ever adds time; on top
-# of it a drift of up to 30 % that the processes of one number share within a session. Names:
+# FOLDER SESSION SEED [NAME=VALUE...]: a made-up run. Noise is seeded and only ever adds time; on
+# top of it a drift of up to 30 % that the processes of one number share within a session. Names:
 # kernel, slow (that kernel takes `slow` times as long), processes, repetitions, scenes, variant,
 # hash, host, cpu, second (adds this variant, half as fast in trace).
 make_run() {
@@ -112,14 +112,16 @@ check 'nor can drift be told from 5 %' lines 10 'not resolved$'
 
 check 'the gate closes' exits 3 compare "$tmp/a" "$tmp/slow20" --gate
 check 'it says why' grep -q '^gate: 4 rows slower by more than 0 %, 0 undecided' "$tmp/out"
-check 'the threshold is in the interval' exits 3 compare "$tmp/a" "$tmp/slow20" --gate --threshold 19
-check 'above the threshold it is open' exits 0 compare "$tmp/a" "$tmp/slow20" --gate --threshold 20
+check 'the whole interval is above 19 %' exits 3 compare "$tmp/a" "$tmp/slow20" --gate \
+    --threshold 19
+check 'but not above 20 %' exits 0 compare "$tmp/a" "$tmp/slow20" --gate --threshold 20
 check 'what is faster passes' exits 0 compare "$tmp/slow20" "$tmp/a" --gate
 
 make_run "$tmp/few" 1 16 processes=9
 check 'too few processes' exits 0 compare "$tmp/a" "$tmp/few"
 check 'are said' lines 10 ' - +9 +too few processes \(9, needs 11\)$'
-check 'and shut the gate' complains 2 'gate cannot decide: 10 rows' compare "$tmp/a" "$tmp/few" --gate
+check 'and shut the gate' complains 2 'gate cannot decide: 10 rows' compare "$tmp/a" "$tmp/few" \
+    --gate
 check 'one row needs fewer' exits 0 compare "$tmp/a" "$tmp/few" --kernels frame --scenes balls
 check 'than ten' lines 1 'not resolved$'
 
