@@ -2,6 +2,7 @@
 
 #include "bench/bench.h"
 #include "bench/completions.h"
+#include "bench/man.h"
 #include "bench/worker.h"
 #include "cli/commands.h"
 
@@ -18,5 +19,6 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_bench,
     &rb_command_worker,
     &rb_command_completions,
+    &rb_command_man,
     NULL,
 };

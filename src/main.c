@@ -13,8 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define VERSION "0.1.0"
-
 static void print_help(void)
 {
     printf("raybench measures a ray tracer: time per ray, per kernel, per bounce.\n\n"
@@ -97,7 +95,7 @@ static int run(int argc, char **argv)
         return 0;
     }
     if (strcmp(name, "--version") == 0) {
-        printf("raybench " VERSION "\n");
+        printf("raybench " RB_VERSION "\n");
         return 0;
     }
     struct rb_suggestion suggestion = {.typed = name, .length = strlen(name)};
