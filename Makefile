@@ -61,7 +61,7 @@ PLANS    := $(sort $(wildcard bench/plans/*.plan))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench test unit exact check fuzz setup install clean help force
+.PHONY: all bench table test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -69,6 +69,10 @@ all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
 ## bench: measure every variant on the six scenes, under two minutes; results/latest has the CSV
 bench: all
 	$(B)/raybench bench $(SCENES)
+
+## table: the render times of Table 1, about 15 minutes (CHECK=1: are the committed files stale?)
+table: all
+	$(B)/raybench table $(if $(CHECK),--check) $(TABLE)
 
 ## test: build and run every test (TAP, through perl's prove)
 test: all unit $(FUZZ_REPLAY)
@@ -89,7 +93,7 @@ FUZZ_S ?= 60
 fuzz:
 	scripts/fuzz $(FUZZ_S)
 
-## setup: install what the checks use beyond a compiler and make (Debian packages, needs root)
+## setup: install what checks and measuring use beyond a compiler (Debian packages, needs root)
 setup:
 	scripts/setup
 
@@ -147,11 +151,17 @@ $(B)/%.avx512.o: %.c $(B)/flags
 $(B)/%.o: %.c $(B)/flags
 	$(compile)
 
-# Rewritten only when compiler or flags change, so that they rebuild everything.
+# Rewritten only when compiler or flags change, so that they rebuild everything. Passed through the
+# environment: the flags may hold quotes. env.json has them from flags.h, as a C string.
+$(B)/flags: export FLAGS = $(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LINK) \
+  $(LDFLAGS) $(LIBS)
 $(B)/flags: force
 	@mkdir -p $(@D)
-	@echo '$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LINK) $(LDFLAGS) $(LIBS)' | cmp -s - $@ || \
-	  echo '$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(LINK) $(LDFLAGS) $(LIBS)' > $@
+	@printf '%s\n' "$$FLAGS" | cmp -s - $@ || printf '%s\n' "$$FLAGS" >$@
+$(B)/flags.h: $(B)/flags
+	@sed 's/["\\?]/\\&/g; s/.*/#define RB_FLAGS "&"/' $< >$@
+$(B)/bench/env_build.o: ISA := -I$(B)
+$(B)/bench/env_build.o: $(B)/flags.h
 .SECONDARY:
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)

@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 static int run(const struct rb_arguments *arguments);
@@ -167,6 +168,8 @@ static enum rb_status write_side(const struct rb_run *run, const struct rb_argum
                 .tsc_error_ppm = (double)NAN,
                 .probe_ns = run->probe_ns,
                 .complete = !partial,
+                .program = side ? run->sides[side].program : NULL,
+                .started = run->started,
                 .pinning = "serial rows: a processor per process, in turn; OpenMP rows: "
                            "OMP_PROC_BIND=true unless set"},
     };
@@ -325,6 +328,7 @@ static int run(const struct rb_arguments *arguments)
         print_cells(&run);
     } else if (code == 0) {
         run.probe_ns = rb_probe_cost_ns();
+        run.started = time(NULL);
         rb_process_catch_signals();
         code = measure(&run, arguments);
     }

@@ -142,19 +142,13 @@ static double place_rays(const struct rb_sample *sample, const void *what)
 static double place_ns_per_ray(const struct rb_sample *sample, const void *what)
 {
     double rays = place_rays(sample, what);
-    return RB_PROBES && rays > 0 ? place_ns(sample, what) / rays : (double)NAN;
-}
-
-static double stage_ns(const struct rb_sample *sample, const void *what)
-{
-    return RB_PROBES ? (double)rb_sample_stage_ns(sample, *(const enum rb_stage *)what)
-                     : (double)NAN;
+    return rb_sample_has_stages(sample) && rays > 0 ? place_ns(sample, what) / rays : (double)NAN;
 }
 
 static double busy_ns(const struct rb_sample *sample, const void *what)
 {
     (void)what;
-    return RB_PROBES ? (double)rb_sample_busy_ns(sample) : (double)NAN;
+    return rb_sample_has_stages(sample) ? (double)rb_sample_busy_ns(sample) : (double)NAN;
 }
 
 static double wall_ns(const struct rb_sample *sample, const void *what)
@@ -207,11 +201,6 @@ struct rb_figure rb_cell_ns_per_ray(const struct rb_cell *cell, enum rb_stage st
     return figure;
 }
 
-struct rb_figure rb_cell_stage_ns(const struct rb_cell *cell, enum rb_stage stage)
-{
-    return whole_frame(cell, stage_ns, &stage);
-}
-
 struct rb_figure rb_cell_frame_ns(const struct rb_cell *cell)
 {
     return whole_frame(cell, cell->group_tiles ? shared_ns : wall_ns, NULL);
@@ -227,6 +216,18 @@ double rb_cell_busy_ns(const struct rb_cell *cell)
     return whole_frame(cell, busy_ns, NULL).value;
 }
 
+double rb_cell_share(const struct rb_cell *cell, enum rb_stage stage, int bounce)
+{
+    double part = 0, all = 0;
+    for (size_t i = 0; i < cell->sample_count; i++) {
+        const struct rb_sample *sample = &cell->samples[i];
+        part += (double)(bounce < 0 ? rb_sample_stage_ns(sample, stage)
+                                    : sample->stage[stage][bounce].ns);
+        all += (double)rb_sample_busy_ns(sample);
+    }
+    return rb_cell_has_time(cell) && all > 0 ? part / all : (double)NAN;
+}
+
 double rb_cell_imbalance(const struct rb_cell *cell)
 {
     return cell->group_tiles ? (double)NAN : rb_cell_figure(cell, imbalance, NULL).value;
@@ -239,7 +240,7 @@ double rb_cell_overhead(const struct rb_cell *cell, double probe_ns)
         probes += (double)rb_sample_probes(&cell->samples[i]);
         ns += (double)rb_sample_busy_ns(&cell->samples[i]);
     }
-    return RB_PROBES && rb_cell_has_time(cell) && ns > 0 ? probes * probe_ns / ns : (double)NAN;
+    return rb_cell_has_time(cell) && ns > 0 ? probes * probe_ns / ns : (double)NAN;
 }
 
 static int processors(void)

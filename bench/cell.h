@@ -61,13 +61,15 @@ typedef double rb_measure_fn(const struct rb_sample *sample, const void *what);
 struct rb_figure rb_cell_figure(const struct rb_cell *cell, rb_measure_fn *measure,
                                 const void *what);
 
-// The figures all tables show. A stage without rays (resolve, other) is summed over bounces. Thread
-// time is that of all threads together. In ns.
+// The figures all tables show, in ns. Thread time is that of all threads together.
 struct rb_figure rb_cell_ns_per_ray(const struct rb_cell *cell, enum rb_stage stage, int bounce);
-struct rb_figure rb_cell_stage_ns(const struct rb_cell *cell, enum rb_stage stage);
 struct rb_figure rb_cell_frame_ns(const struct rb_cell *cell); // wall time
 struct rb_figure rb_cell_build_ns(const struct rb_cell *cell);
-double rb_cell_busy_ns(const struct rb_cell *cell);   // thread time of a frame
+double rb_cell_busy_ns(const struct rb_cell *cell); // thread time of a frame
+
+// Share of the thread time, all repetitions together, that a stage takes at a bounce, or at all if
+// bounce is -1: shares add up to 1 however noisy the machine is, which medians do not.
+double rb_cell_share(const struct rb_cell *cell, enum rb_stage stage, int bounce);
 double rb_cell_imbalance(const struct rb_cell *cell); // 1 - mean / max busy time of the threads
 double rb_cell_overhead(const struct rb_cell *cell, double probe_ns); // share of the thread time
 

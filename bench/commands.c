@@ -2,13 +2,15 @@
 
 #include "bench/bench.h"
 #include "bench/completions.h"
+#include "bench/doctor.h"
 #include "bench/man.h"
+#include "bench/render_command.h"
 #include "bench/worker.h"
 #include "cli/commands.h"
 
 #include <stddef.h>
 
-// A command a line, whatever fits.
+// A command a line, as --help lists them, whatever fits.
 // clang-format off
 const struct rb_command *const rb_commands[] = {
     &rb_command_render,
@@ -17,8 +19,10 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_scene,
     &rb_command_list,
     &rb_command_bench,
-    &rb_command_worker,
+    &rb_command_table,
+    &rb_command_doctor,
     &rb_command_completions,
     &rb_command_man,
+    &rb_command_worker,
     NULL,
 };

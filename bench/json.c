@@ -97,6 +97,12 @@ void rb_json_integer(struct rb_json *json, const char *key, int64_t value)
     fprintf(json->out, "%" PRId64, value);
 }
 
+void rb_json_unsigned(struct rb_json *json, const char *key, uint64_t value)
+{
+    begin_member(json, key);
+    fprintf(json->out, "%" PRIu64, value);
+}
+
 void rb_json_hash(struct rb_json *json, const char *key, uint64_t value)
 {
     begin_member(json, key);

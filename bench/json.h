@@ -21,6 +21,7 @@ void rb_json_end_array(struct rb_json *json);
 void rb_json_string(struct rb_json *json, const char *key, const char *value); // NULL is null
 void rb_json_number(struct rb_json *json, const char *key, double value);
 void rb_json_integer(struct rb_json *json, const char *key, int64_t value);
+void rb_json_unsigned(struct rb_json *json, const char *key, uint64_t value);
 void rb_json_hash(struct rb_json *json, const char *key, uint64_t value); // 16 hex digits, a string
 void rb_json_bool(struct rb_json *json, const char *key, bool value);
 

@@ -176,6 +176,7 @@ static const struct item files[] = {
     {"results/latest",
      "The newest folder of results: kernels.csv (time per ray, by kernel and bounce), frame.csv, "
      "samples.csv, env.json, result.json. results/README.md of the sources explains them."},
+    {"report/table1.md, report/table1.csv", "The render times, as raybench table measured them."},
     {"bench/plans/*.plan, ../share/raybench/plans/*.plan",
      "Plans, in the sources and beside the installed program: what raybench bench measures by "
      "name."},

@@ -12,11 +12,10 @@ struct rb_line rb_results_line(const struct rb_cell *cell, enum rb_stage stage, 
     const struct rb_sample_stage *counts =
         own ? &cell->samples[0].stage[stage][bounce] : &frame->stage[stage][bounce];
     struct rb_line line = {.cell = cell, .stage = stage, .bounce = bounce, .counts = counts};
-    double busy_ns = rb_cell_busy_ns(cell);
     line.kernel = rb_stage_names[stage];
     line.per_ray = rb_cell_ns_per_ray(cell, stage, bounce);
-    line.ns = line.per_ray.value * (double)counts->rays;
-    line.share = line.ns / busy_ns;
+    line.share = rb_cell_share(cell, stage, bounce);
+    line.ns = line.share * rb_cell_busy_ns(cell);
     line.wall_ns = line.share * rb_cell_frame_ns(cell).value;
     return line;
 }
@@ -61,8 +60,8 @@ static void emit_kernels(const struct rb_results *results, const struct rb_cell 
     if (!rb_cell_has_time(cell))
         return;
     for (int stage = RB_KERNEL_COUNT; stage < RB_STAGE_COUNT; stage++) {
-        double ns = rb_cell_stage_ns(cell, (enum rb_stage)stage).value;
-        emit_whole(results, cell, rb_stage_names[stage], ns, ns / rb_cell_busy_ns(cell), emit,
+        double share = rb_cell_share(cell, (enum rb_stage)stage, -1);
+        emit_whole(results, cell, rb_stage_names[stage], share * rb_cell_busy_ns(cell), share, emit,
                    user);
     }
     if (cell->variant->accelerator != RB_ACCEL_NONE)

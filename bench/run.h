@@ -13,6 +13,7 @@
 #include "bench/plan.h"
 
 #include <stdio.h>
+#include <time.h>
 
 struct rb_side {
     char program[RB_PATH_MAX];
@@ -28,6 +29,7 @@ struct rb_run {
     int side_count;
     int unit_count; // cells of a side
     double probe_ns, budget_s;
+    time_t started;
     uint64_t start_ns;
     bool quiet;
     bool crashed, mismatch; // some cell

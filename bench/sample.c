@@ -25,6 +25,11 @@ uint64_t rb_sample_rays(const struct rb_sample *sample)
     return rays;
 }
 
+bool rb_sample_has_stages(const struct rb_sample *sample)
+{
+    return rb_sample_busy_ns(sample) > 0;
+}
+
 uint64_t rb_sample_probes(const struct rb_sample *sample)
 {
     uint64_t calls = 0;

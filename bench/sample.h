@@ -40,6 +40,9 @@ uint64_t rb_sample_stage_ns(const struct rb_sample *sample, enum rb_stage stage)
 uint64_t rb_sample_busy_ns(const struct rb_sample *sample);
 uint64_t rb_sample_rays(const struct rb_sample *sample);
 
+// False if the sender was built without probes: stages have rays and calls, but no times.
+bool rb_sample_has_stages(const struct rb_sample *sample);
+
 // Each call of a stage was ended by a probe.
 uint64_t rb_sample_probes(const struct rb_sample *sample);
 

@@ -40,7 +40,7 @@ static struct rb_value rays(const struct rb_line *line)
 
 static struct rb_value ns(const struct rb_line *line)
 {
-    if (!RB_PROBES)
+    if (!rb_sample_has_stages(line->sample))
         return rb_none();
     return rb_integer(
         (int64_t)(is_frame(line) ? rb_sample_busy_ns(line->sample) : line->counts->ns));
@@ -58,7 +58,9 @@ static struct rb_value calls(const struct rb_line *line)
         return is_frame(line) ? (value) : rb_none();                                               \
     }
 FRAME_COLUMN(wall_ns, rb_integer((int64_t)line->sample->wall_ns))
-FRAME_COLUMN(busy_max_ns, rb_integer((int64_t)line->sample->busy_max_ns))
+FRAME_COLUMN(busy_max_ns, rb_sample_has_stages(line->sample)
+                              ? rb_integer((int64_t)line->sample->busy_max_ns)
+                              : rb_none())
 FRAME_COLUMN(build_ns, rb_integer((int64_t)line->sample->build_ns))
 FRAME_COLUMN(peak_memory_bytes, rb_integer((int64_t)line->sample->peak_bytes))
 FRAME_COLUMN(tree_bytes, rb_integer((int64_t)line->sample->tree_bytes))

@@ -19,7 +19,7 @@ static void print_help(void)
            "usage: raybench COMMAND [arguments]\n\n");
     for (const struct rb_command *const *command = rb_commands; *command; command++)
         if (!(*command)->hidden)
-            printf("  %-11s %s\n", (*command)->name, (*command)->summary);
+            printf("  %-12s %s\n", (*command)->name, (*command)->summary);
     printf("\nraybench COMMAND --help explains a command; raybench --version prints the version.\n"
            "Start with: raybench render balls_high -o balls.ppm\n\n"
            "Exit codes: 0 fine, 1 runtime failure (memory, disk), 2 bad usage or input.\n");

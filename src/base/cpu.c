@@ -100,3 +100,8 @@ bool rb_cpu_has(const char *name, int length)
     }
     return feature && feature->present();
 }
+
+const char *rb_cpu_feature(int index)
+{
+    return index < FEATURE_COUNT ? features[index].name : NULL;
+}

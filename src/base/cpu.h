@@ -17,4 +17,7 @@ enum rb_status rb_cpu_check_disabled(struct rb_error *error);
 // for unknown names. `length` bytes of `name` count.
 bool rb_cpu_has(const char *name, int length);
 
+// Name of the feature at `index` from 0, NULL past the last.
+const char *rb_cpu_feature(int index);
+
 #endif

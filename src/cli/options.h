@@ -20,6 +20,9 @@ struct rb_bench_arguments {
     double slice_s;
     int processes, process, cpu, group_tiles;
     bool resume, dry_run, full_reference;
+    int runs; // of the render-time table, as the next ones
+    const char *readme;
+    bool check, rewrite;
 };
 
 // Everything any command can be told. Zero or NULL means not given.
@@ -40,6 +43,7 @@ struct rb_arguments {
     } given[RB_GIVEN_MAX];        // the options, in order
     int given_count;
     const char *command_line; // as the user wrote it, about
+    const char *root;         // folder with a copy of another machine's proc and sys
 };
 
 enum rb_option_kind {

@@ -26,8 +26,25 @@ check 'camera rays are pixels' grep -q '^balls_low,48,48,5,1,1,64,bvh,1,generate
 check 'no zero stands for a time' [ "$(awk -F, '$13 == "0"' "$csv" | wc -l)" = 0 ]
 check 'nothing is left of the part file' [ ! -e "$latest/samples.csv.part" ]
 
+for file in kernels frame samples; do
+    for name in $(head -1 "$latest/$file.csv" | tr -d '\r' | tr , ' '); do
+        grep -qE "^\| (.*, )?${name}[, ]" results/README.md || echo "$name"
+    done
+done >"$tmp/undocumented"
+check 'results/README.md explains every column' [ ! -s "$tmp/undocumented" ]
+if python3 -c 'import jsonschema' 2>/dev/null; then
+    check 'result.json is as its schema says' python3 -c 'import json, jsonschema, sys
+jsonschema.validate(*[json.load(open(name)) for name in sys.argv[1:]])' \
+        "$latest/result.json" results/result.schema.json
+else
+    check 'result.json is as its schema says # SKIP no python3 with jsonschema (make setup)' true
+fi
+
 # FILE COLUMN: its number.
 column() { head -1 "$1" | tr -d '\r' | tr , '\n' | grep -nx "$2" | cut -d: -f1; }
+
+check 'larger frames, for what follows' exits 0 bench balls_low mount_low --size 256x256 \
+    --variants bvh,packet,packet+omp --budget 2 --quiet --out "$out"
 
 # Kernels at all bounces, resolve and other add up to the frame: wall time of serial rows, within
 # 1 %; `other` is under 3 %. Sums are per repetition, so that no median hides anything.
@@ -47,8 +64,17 @@ check 'other is under 3 %' awk -F, -v share="$share" \
 check 'shares add up to 100 %' awk -F, -v share="$share" '
     NR > 1 { sum[$1 $8] += $share }
     END {
-        for (k in sum) { n++; bad += sum[k] < 95 || sum[k] > 105 } # medians do not add up exactly
+        for (k in sum) { n++; bad += sum[k] < 99.99 || sum[k] > 100.01 }
         exit !(n == 6 && !bad)
+    }' "$csv"
+check 'times per pixel add up to the frame, one thread' awk -F, \
+    -v ns="$(column "$csv" ns_per_pixel)" '
+    $8 ~ /omp/ || NR == 1 || $10 == "build" { next }
+    $10 == "frame" { frame[$1 $8] = $ns; next }
+    { sum[$1 $8] += $ns }
+    END {
+        for (k in frame) { n++; bad += sum[k] < 0.99 * frame[k] || sum[k] > 1.01 * frame[k] }
+        exit !(n == 4 && !bad)
     }' "$csv"
 
 # Plans.
