@@ -4,12 +4,14 @@
 #   CC=gcc|clang  OPT=-O2  WERROR=1  SANITIZE=address,undefined  CFLAGS=... LDFLAGS=...
 #   CONFIG=release         objects and programs go to build/$(CONFIG)
 #   OPENMP=0  PNG=0        build without what was found on this machine
+#   PREFIX=/usr/local      where `make install` puts things, below DESTDIR
 
 ifeq ($(origin CC),default)
 CC := gcc
 endif
 CONFIG ?= release
 OPT    ?= -O2
+PREFIX ?= /usr/local
 B      := build/$(CONFIG)
 
 # What this compiler can do: $(call works,FLAGS,HEADER) prints 1 or 0.
@@ -54,10 +56,12 @@ UNIT_SRC := $(sort $(wildcard tests/unit/*.c))
 UNIT     := $(UNIT_SRC:%.c=$(B)/%)
 TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
 
+PLANS    := $(sort $(wildcard bench/plans/*.plan))
+
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench table selftest overhead test unit exact check fuzz setup clean help force
+.PHONY: all bench table selftest overhead test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -100,6 +104,19 @@ fuzz:
 ## setup: install what checks and measuring use beyond a compiler (Debian packages, needs root)
 setup:
 	scripts/setup
+
+## install: install the program, its manual page, completions and plans in PREFIX (DESTDIR)
+SHARE = $(DESTDIR)$(PREFIX)/share
+install: all
+	@$(B)/raybench man >$(B)/raybench.1
+	@for shell in bash zsh fish; do \
+	  $(B)/raybench completions $$shell >$(B)/completions.$$shell || exit 1; done
+	install -D $(B)/raybench "$(DESTDIR)$(PREFIX)/bin/raybench"
+	install -D -m 644 $(B)/raybench.1 "$(SHARE)/man/man1/raybench.1"
+	install -D -m 644 $(B)/completions.bash "$(SHARE)/bash-completion/completions/raybench"
+	install -D -m 644 $(B)/completions.zsh "$(SHARE)/zsh/site-functions/_raybench"
+	install -D -m 644 $(B)/completions.fish "$(SHARE)/fish/vendor_completions.d/raybench.fish"
+	$(if $(PLANS),install -D -m 644 -t "$(SHARE)/raybench/plans" $(PLANS))
 
 ## clean: remove build/
 clean:

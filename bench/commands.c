@@ -4,6 +4,7 @@
 #include "bench/compare.h"
 #include "bench/completions.h"
 #include "bench/doctor.h"
+#include "bench/man.h"
 #include "bench/render_command.h"
 #include "bench/worker.h"
 #include "cli/commands.h"
@@ -23,6 +24,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_table,
     &rb_command_doctor,
     &rb_command_completions,
+    &rb_command_man,
     &rb_command_worker,
     NULL,
 };

@@ -52,6 +52,7 @@ static const struct class
 } classes[] = {
     {"FILE", RB_TAKES_FILES, NULL},
     {"PLAN", RB_TAKES_FILES, NULL},
+    {"PROGRAM", RB_TAKES_FILES, NULL},
     {"DIR", RB_TAKES_FOLDERS, NULL},
     {"RESULT", RB_TAKES_FOLDERS, NULL},
     {"SCENE", RB_TAKES_FILES | RB_TAKES_WORDS, put_scenes},
@@ -155,9 +156,10 @@ const struct rb_command *const *rb_complete_shown(const struct rb_command *const
     return commands;
 }
 
-void rb_put_escaped(FILE *out, const char *text, const struct rb_escape *escapes)
+void rb_put_escaped_part(FILE *out, const char *text, size_t length,
+                         const struct rb_escape *escapes)
 {
-    for (; *text; text++) {
+    for (const char *end = text + length; text < end; text++) {
         const struct rb_escape *escape = escapes;
         while (escape->character && escape->character != *text)
             escape++;
@@ -166,4 +168,9 @@ void rb_put_escaped(FILE *out, const char *text, const struct rb_escape *escapes
         else
             fputc(*text, out);
     }
+}
+
+void rb_put_escaped(FILE *out, const char *text, const struct rb_escape *escapes)
+{
+    rb_put_escaped_part(out, text, strlen(text), escapes);
 }

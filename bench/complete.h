@@ -44,6 +44,8 @@ struct rb_escape {
 };
 
 void rb_put_escaped(FILE *out, const char *text, const struct rb_escape *escapes);
+void rb_put_escaped_part(FILE *out, const char *text, size_t length,
+                         const struct rb_escape *escapes);
 
 // The completion scripts for commands ended by NULL. Errors are the stream's.
 void rb_complete_bash(FILE *out, const struct rb_command *const *commands);

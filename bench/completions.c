@@ -14,7 +14,7 @@ const struct rb_command rb_command_completions = {
     .synopsis = "bash|zsh|fish",
     .text =
         "The scripts know the commands, their options and what these take, from the tables that\n"
-        "parse them. `make install` puts them where shells look; without it:\n\n"
+        "parse them. `make install` puts them where shells look.\n\n"
         "  raybench completions bash >~/.local/share/bash-completion/completions/raybench\n"
         "  raybench completions zsh >\"${fpath[1]}/_raybench\"\n"
         "  raybench completions fish >~/.config/fish/completions/raybench.fish",

@@ -13,15 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define VERSION "0.1.0"
-
 static void print_help(void)
 {
     printf("raybench measures a ray tracer: time per ray, per kernel, per bounce.\n\n"
            "usage: raybench COMMAND [arguments]\n\n");
     for (const struct rb_command *const *command = rb_commands; *command; command++)
         if (!(*command)->hidden)
-            printf("  %-11s %s\n", (*command)->name, (*command)->summary);
+            printf("  %-12s %s\n", (*command)->name, (*command)->summary);
     printf("\nraybench COMMAND --help explains a command; raybench --version prints the version.\n"
            "Start with: raybench render balls_high -o balls.ppm\n\n"
            "Exit codes: 0 fine, 1 runtime failure (memory, disk), 2 bad usage or input.\n");
@@ -97,7 +95,7 @@ static int run(int argc, char **argv)
         return 0;
     }
     if (strcmp(name, "--version") == 0) {
-        printf("raybench " VERSION "\n");
+        printf("raybench " RB_VERSION "\n");
         return 0;
     }
     struct rb_suggestion suggestion = {.typed = name, .length = strlen(name)};

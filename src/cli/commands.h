@@ -7,6 +7,8 @@
 #include "render/renderer.h"
 #include "scene/scene.h"
 
+#define RB_VERSION "0.1.0"
+
 extern const struct rb_command rb_command_render;
 extern const struct rb_command rb_command_pixel;
 extern const struct rb_command rb_command_info;

@@ -1,8 +1,10 @@
 // What can stand where on a command line: read off values and synopses, and off the synopsis of
-// every command, which must agree with what its parser takes.
+// every command, which must agree with what its parser takes; and the scripts and the page made
+// from it, with what needs escapes.
 #define _POSIX_C_SOURCE 200809L
 #include "bench/complete.h"
 #include "bench/commands.h"
+#include "bench/man.h"
 #include "tests/unit/tap.h"
 
 #include <stdlib.h>
@@ -18,7 +20,8 @@ static const struct rb_command example = {
     .name = "example",
     .summary = "an example",
     .synopsis = "--rows VARIANT,... [--quiet] RESULT [N] [SCENE...|PLAN] [options]",
-    .text = "",
+    .text =
+        "A text.\n.TH it isn't, `nor` a \\ or ^.\n\n  raybench example --rows a\n\n  kept as is",
     .groups = (const struct rb_option *const[]){own, NULL},
 };
 
@@ -116,5 +119,14 @@ int main(void)
     ok(prints(rb_complete_fish, "-d 'it\\'s [one]: or \\\\ more' -l rows -r -f -a "
                                 "'(__raybench_list naive "),
        "fish, with its escapes");
+    ok(prints(rb_man_write,
+              "\n.SS raybench example \\-\\-rows VARIANT,... [\\-\\-quiet] RESULT [N] "
+              "[SCENE...|PLAN] [options]\nan example\n.PP\nA text.\n\\&.TH it "
+              "isn\\(aqt, \\(ganor\\(ga a \\(rs or \\(ha.\n.PP\n  kept as is\n.TP\n"
+              "\\fB\\-\\-rows\\fR \\fIVARIANT,...\\fR\nit\\(aqs [one]: or \\(rs more\n"),
+       "the manual page, with its escapes");
+    ok(prints(rb_man_write,
+              "To an example:\n.PP\n.nf\n.RS 4\nraybench example \\-\\-rows a\n.RE\n"),
+       "and its examples");
     return done();
 }
