@@ -3,19 +3,28 @@
 . "$(dirname "$0")/tap.sh"
 
 out=$tmp/report readme=$tmp/README.md csv=$tmp/report/table1.csv
-markers() { printf 'top\n<!-- table1 begin: make table -->\n<!-- table1 end -->\nbottom\n' >"$readme"; }
-table() { exits "$1" table --scenes balls_low --variants 'naive,bvh*' --out "$out" --readme "$readme" \
-    --runs 3 --budget 1m "$2"; }
-checked() { complains 2 "$1" table --check --scenes balls_low --variants 'naive,bvh*' --out "$out" \
-    --readme "$readme"; }
+markers() {
+    printf 'top\n<!-- table1 begin: make table -->\n<!-- table1 end -->\nbottom\n' >"$readme"
+}
+small() { # CODE OPTION...: runs a small table
+    code=$1
+    shift
+    exits "$code" table --scenes balls_low --variants 'naive,bvh*' --out "$out" --readme "$readme" \
+        "$@"
+}
+table() { small "$1" --runs 3 --budget 1m; }
+checked() { # PATTERN: --check fails with one line that matches
+    small 2 --check && [ "$(wc -l <"$tmp/err")" = 1 ] && grep -qE -e "$1" "$tmp/err"
+}
 
 # LINE COLUMN: a field of the CSV, which has no quotes up to `runs`.
 field() { tr -d '\r' <"$csv" | sed -n "$1p" | cut -d, -f"$2"; }
 
 # Both clocks: the same files.
 look() { # SOURCE
-    check "$1: it measures" table 0 --
-    check "$1: it says what it will take" grep -qE '^[0-9]+ rows, about [0-9]+ s of a budget' "$tmp/out"
+    check "$1: it measures" table 0
+    check "$1: it says what it will take" grep -qE '^[0-9]+ rows, about [0-9]+ s of a budget' \
+        "$tmp/out"
     key=scene,paper_s,variant,threads,median_s,mean_s,min_s,max_s,runs,source
     check "$1: the CSV begins with its columns" [ "$(head -1 "$csv" | cut -d, -f1-10)" = "$key" ]
     check "$1: naive comes first, with the paper's seconds" \
@@ -34,10 +43,10 @@ look() { # SOURCE
         END { exit bad || NR < 3 }' "$csv"
     check "$1: the Markdown has every row" \
         [ "$(grep -c "| $1" "$out/table1.md")" = $(($(wc -l <"$csv") - 1)) ]
-    check "$1: the README has the block, and keeps the rest" [ "$(sed -n \
-        -e '1p;$p' -e 's/^| balls_low | 3 | .*/row/p' "$readme" | tr '\n' ' ')" = 'top row bottom ' ]
-    check "$1: and --check agrees" exits 0 table --check --scenes balls_low --variants 'naive,bvh*' \
-        --out "$out" --readme "$readme"
+    check "$1: the README has the block, and keeps the rest" \
+        [ "$(sed -n -e '1p;$p' -e 's/^| balls_low | 3 | .*/row/p' "$readme" | tr '\n' ' ')" = \
+        'top row bottom ' ]
+    check "$1: and --check agrees" small 0 --check
 }
 markers
 if command -v hyperfine >/dev/null; then
@@ -68,8 +77,7 @@ check 'an edited digit in the Markdown' checked 'table1.md:[0-9]+:1: .*run make 
 restore "$out/table1.md"
 edit "$readme" "/balls_low/{$digit;}"
 check 'an edited digit in the README' checked 'README.md:[0-9]+:1: .*run make table'
-check '--rewrite mends it' exits 0 table --rewrite --scenes balls_low --variants 'naive,bvh*' \
-    --out "$out" --readme "$readme"
+check '--rewrite mends it' small 0 --rewrite
 check 'byte for byte' cmp -s "$readme" "$tmp/saved"
 check 'the whole table wants six scenes' complains 2 'no row of naive on balls_medium' \
     table --check --variants 'naive,bvh*' --out "$out"
@@ -78,10 +86,9 @@ check 'a row is missing' checked 'no row of bvh on balls_low'
 restore "$csv"
 edit "$readme" '/table1 end/d'
 check 'a marker is missing' checked 'README.md: there is no line <!-- table1 end -->'
-check 'and found before anything is measured' table 2 --
+check 'and found before anything is measured' table 2
 restore "$readme"
-check 'all is as before' exits 0 table --check --scenes balls_low --variants 'naive,bvh*' \
-    --out "$out" --readme "$readme"
+check 'all is as before' small 0 --check
 
 # The budget: what does not fit is extrapolated, and says so.
 check 'a small budget' exits 0 table --scenes balls_low,mount_high --variants naive,bvh \
