@@ -40,7 +40,7 @@ static const struct rb_option options[] = {
 const struct rb_command rb_command_compare = {
     .name = "compare",
     .summary = "compare two runs, or two variants of one run",
-    .synopsis = "A B | A --variants X,Y [options]",
+    .synopsis = "A [B] [options]",
     .text =
         "A and B are folders of results of one machine; a run that has not ended will do. For "
         "each\n"

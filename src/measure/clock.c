@@ -10,12 +10,31 @@ uint64_t rb_clock_ns(void)
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
-static uint64_t start_ns, start_ticks;
+struct moment {
+    uint64_t ns, ticks;
+};
+
+// Reads both clocks at one moment: of several tries the quickest, in case of a preemption between
+// the two.
+static struct moment read_both(void)
+{
+    struct moment best = {0, 0};
+    uint64_t least = UINT64_MAX;
+    for (int i = 0; i < 8; i++) {
+        uint64_t before = rb_clock_ticks(), ns = rb_clock_ns(), after = rb_clock_ticks();
+        if (after - before < least) {
+            least = after - before;
+            best = (struct moment){ns, before + least / 2};
+        }
+    }
+    return best;
+}
+
+static struct moment start;
 
 void rb_clock_begin(void)
 {
-    start_ns = rb_clock_ns();
-    start_ticks = rb_clock_ticks();
+    start = read_both();
 }
 
 double rb_clock_ns_per_tick(void)
@@ -23,12 +42,11 @@ double rb_clock_ns_per_tick(void)
     static double ns_per_tick;
     if (ns_per_tick > 0)
         return ns_per_tick;
-    if (start_ns == 0)
+    if (start.ns == 0)
         rb_clock_begin();
-    uint64_t end_ns;
-    do
-        end_ns = rb_clock_ns();
-    while (end_ns - start_ns < 20000000);
-    ns_per_tick = (double)(end_ns - start_ns) / (double)(rb_clock_ticks() - start_ticks);
+    while (rb_clock_ns() - start.ns < 20000000)
+        ;
+    struct moment end = read_both();
+    ns_per_tick = (double)(end.ns - start.ns) / (double)(end.ticks - start.ticks);
     return ns_per_tick;
 }
