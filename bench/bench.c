@@ -126,23 +126,6 @@ static enum rb_status keep_plan(const struct rb_run *run, struct rb_error *error
     return rb_output_commit(&output, error);
 }
 
-static enum rb_status begin(struct rb_run *run, bool resume, struct rb_error *error)
-{
-    enum rb_status status = resume ? RB_OK : make_folders(run, error);
-    for (int side = 0; side < run->side_count && status == RB_OK && resume; side++) {
-        char path[RB_PATH_MAX + 32];
-        snprintf(path, sizeof path, "%s/samples.csv.part", run->sides[side].folder);
-        status = rb_samples_read(path, run->plan, side, error);
-    }
-    if (status == RB_OK && !resume)
-        status = keep_plan(run, error);
-    for (int side = 0; side < run->side_count && status == RB_OK; side++)
-        status = open_samples(run, side, error);
-    const char *name = strrchr(run->sides[0].folder, '/');
-    snprintf(run->session, sizeof run->session, "%.63s", name ? name + 1 : run->sides[0].folder);
-    return status;
-}
-
 static enum rb_status write_side(const struct rb_run *run, const struct rb_arguments *arguments,
                                  int side, bool partial, struct rb_error *error)
 {
@@ -176,6 +159,28 @@ static enum rb_status write_side(const struct rb_run *run, const struct rb_argum
     };
     enum rb_status status = rb_results_write(&results, error);
     free(scenes);
+    return status;
+}
+
+// Files that a crash would leave say that nothing is finished.
+static enum rb_status begin(struct rb_run *run, const struct rb_arguments *arguments,
+                            struct rb_error *error)
+{
+    bool resume = arguments->bench.resume;
+    enum rb_status status = resume ? RB_OK : make_folders(run, error);
+    for (int side = 0; side < run->side_count && status == RB_OK && resume; side++) {
+        char path[RB_PATH_MAX + 32];
+        snprintf(path, sizeof path, "%s/samples.csv.part", run->sides[side].folder);
+        status = rb_samples_read(path, run->plan, side, error);
+    }
+    if (status == RB_OK && !resume)
+        status = keep_plan(run, error);
+    for (int side = 0; side < run->side_count && status == RB_OK; side++)
+        status = open_samples(run, side, error);
+    const char *name = strrchr(run->sides[0].folder, '/');
+    snprintf(run->session, sizeof run->session, "%.63s", name ? name + 1 : run->sides[0].folder);
+    for (int side = 0; side < run->side_count && status == RB_OK; side++)
+        status = write_side(run, arguments, side, true, error);
     return status;
 }
 
@@ -234,7 +239,7 @@ static int measure(struct rb_run *run, const struct rb_arguments *arguments)
     struct rb_error error = {0};
     enum rb_status status = rb_run_prepare(run, &error);
     if (status == RB_OK && !rb_process_interrupted())
-        status = begin(run, arguments->bench.resume, &error);
+        status = begin(run, arguments, &error);
     if (rb_process_interrupted() && !run->sides[0].samples)
         return RB_FAILED; // before there was anything to keep
     if (status == RB_OK)
