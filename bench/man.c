@@ -168,6 +168,7 @@ static const struct item environment[] = {
     {"OMP_PROC_BIND, OMP_PLACES, GOMP_CPU_AFFINITY",
      "Where threads run. Without any of them the benchmark binds threads itself where the system "
      "allows."},
+    {"TMPDIR", "Where raybench table keeps images while it measures; default /tmp."},
     {"NO_COLOR", "If set, nothing is printed in colour; into a file or a pipe nothing ever is."},
     {NULL, NULL},
 };
