@@ -61,18 +61,26 @@ PLANS    := $(sort $(wildcard bench/plans/*.plan))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench table test unit exact check fuzz setup install clean help force
+.PHONY: all bench table selftest overhead test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
 
-## bench: measure every variant on the six scenes, under two minutes; results/latest has the CSV
+## bench: naive, bvh, packets on the six scenes, two minutes (PLAN=table: another plan)
 bench: all
-	$(B)/raybench bench $(SCENES)
+	$(B)/raybench bench $(PLAN)
 
 ## table: the render times of Table 1, about 15 minutes (CHECK=1: are the committed files stale?)
 table: all
 	$(B)/raybench table $(if $(CHECK),--check) $(TABLE)
+
+## selftest: verdicts on the program against itself, and on known slow-downs; two minutes
+selftest: all
+	@RAYBENCH=$(B)/raybench scripts/selftest
+
+## overhead: what probes cost, against a build without them; two minutes
+overhead: all
+	@RAYBENCH=$(B)/raybench scripts/overhead
 
 ## test: build and run every test (TAP, through perl's prove)
 test: all unit $(FUZZ_REPLAY)

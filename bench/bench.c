@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "bench/columns.h"
+#include "bench/compare.h"
 #include "bench/process.h"
 #include "bench/results.h"
 #include "bench/run.h"
@@ -42,7 +43,7 @@ static const struct rb_option options[] = {
     {"--processes", "N", RB_OPTION_INT, BENCH(processes), 1, 1000,
      "processes each cell has at least; default 6, the fewest with a 95 % interval"},
     {"--against", "PROGRAM", RB_OPTION_TEXT, BENCH(against), 0, 0,
-     "another build of raybench, measured in turn with this one; raybench compare has the verdict"},
+     "another build of raybench, measured in turn with this one, and compared"},
     {"--full-reference", NULL, RB_OPTION_FLAG, BENCH(full_reference), 0, 0,
      "render naive in full for the reference, however long that takes; it is kept"},
     {"--out", "DIR", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
@@ -213,11 +214,19 @@ static void print_results(const struct rb_run *run, bool partial)
         "\nns per ray: time of all threads over queue entries, misses included; medians over n\n"
         "processes. Mrays/s: trace and trace_shadow rays per frame time. A probe costs %.1f ns.\n",
         run->probe_ns);
-    printf("%s in %s/%s.\n", partial ? "What there is so far is" : "Results are",
-           run->sides[0].folder, partial ? "; raybench bench --resume goes on" : "");
-    if (run->side_count == 2)
-        printf("Which is faster: raybench compare %s %s\n", run->sides[1].folder,
-               run->sides[0].folder);
+    printf("%s in %s/%s.%s\n", partial ? "What there is so far is" : "Results are",
+           run->sides[0].folder, partial ? "; raybench bench --resume goes on" : "",
+           run->side_count == 2 ? "\n" : "");
+}
+
+// Prints what this program (B) is against the other one (A).
+static int print_verdicts(const struct rb_run *run)
+{
+    const struct rb_arguments compare = {
+        .positional = {run->sides[1].folder, run->sides[0].folder},
+        .positional_count = 2,
+    };
+    return run->side_count == 2 ? rb_command_compare.run(&compare) : RB_OK;
 }
 
 static int measure(struct rb_run *run, const struct rb_arguments *arguments)
@@ -238,6 +247,8 @@ static int measure(struct rb_run *run, const struct rb_arguments *arguments)
     if (status || finished)
         return status ? rb_report(status, &error) : rb_report(finished, &second);
     print_results(run, partial);
+    if (print_verdicts(run))
+        return RB_FAILED;
     return run->mismatch ? RB_INVALID : run->crashed ? RB_FAILED : RB_OK;
 }
 

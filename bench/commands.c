@@ -1,6 +1,7 @@
 #include "bench/commands.h"
 
 #include "bench/bench.h"
+#include "bench/compare.h"
 #include "bench/completions.h"
 #include "bench/doctor.h"
 #include "bench/man.h"
@@ -19,6 +20,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_scene,
     &rb_command_list,
     &rb_command_bench,
+    &rb_command_compare,
     &rb_command_table,
     &rb_command_doctor,
     &rb_command_completions,

@@ -222,7 +222,7 @@ static bool result_member(struct scanner *s, const char *name, int depth)
 static bool result(struct scanner *s, const char *name, int depth)
 {
     (void)name;
-    if (s->results++)
+    if (peek(s), s->results++)
         return fail(s, "expected the result of one command");
     return group(s, '{', '}', result_member, depth);
 }

@@ -128,23 +128,27 @@ static void put_overview(FILE *out, const struct rb_render_table *table)
     fputc('\n', out);
 }
 
+static void put_figure(FILE *out, double value, bool estimated)
+{
+    fputs(" | ", out);
+    put_number(out, value);
+    if (isfinite(value) && estimated)
+        fputs(" est.", out);
+}
+
 static void put_row(FILE *out, const struct rb_render_row *row, bool naive_estimated)
 {
+    bool estimated = rb_render_row_estimated(row);
     fputs("| ", out);
     put_cell(out, row->variant);
     fprintf(out, " | %d | %g | ", row->threads, row->paper_s);
     put_median(out, row);
     const double numbers[] = {row->mean_s, row->min_s, row->max_s};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        fputs(" | ", out);
-        put_number(out, numbers[i]);
-    }
-    fprintf(out, " | %d | ", row->runs);
-    put_number(out, row->speedup_over_naive);
-    if (isfinite(row->speedup_over_naive) && (naive_estimated || rb_render_row_estimated(row)))
-        fputs(" est.", out);
-    fputs(" | ", out);
-    put_number(out, row->speedup_over_paper);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        put_figure(out, numbers[i], false);
+    fprintf(out, " | %d", row->runs);
+    put_figure(out, row->speedup_over_naive, estimated || naive_estimated);
+    put_figure(out, row->speedup_over_paper, estimated);
     fputs(" | ", out);
     put_cell(out, row->source);
     fputs(" | ", out);

@@ -103,6 +103,14 @@ double rb_stats_quantile(double *values, size_t count, double q)
     return values[below] + (place - (double)below) * (values[above] - values[below]);
 }
 
+double rb_stats_quantile_lower(double *values, size_t count, double q)
+{
+    if (count == 0)
+        return (double)NAN;
+    qsort(values, count, sizeof *values, compare);
+    return values[(size_t)((double)(count - 1) * q)];
+}
+
 double rb_stats_min(const double *values, size_t count)
 {
     double least = count ? values[0] : (double)NAN;

@@ -59,6 +59,9 @@ struct rb_median rb_stats_independent_ratio(const double *a, size_t a_count, con
 // (count - 1) q: type 7 of Hyndman and Fan 1996, the default of R and NumPy.
 double rb_stats_quantile(double *values, size_t count, double q);
 
+// The order statistic at or below that place: with up to 10 values, the minimum for q = 0.1.
+double rb_stats_quantile_lower(double *values, size_t count, double q);
+
 double rb_stats_min(const double *values, size_t count);
 
 // Median absolute percentage error, the median of 100 |x / center - 1|: a spread that outliers

@@ -23,6 +23,9 @@ struct rb_bench_arguments {
     int runs; // of the render-time table, as the next ones
     const char *readme;
     bool check, rewrite;
+    const char *kernels; // of a comparison, as the next ones
+    double level, threshold_pct;
+    bool bounces, gate;
 };
 
 // Everything any command can be told. Zero or NULL means not given.

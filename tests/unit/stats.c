@@ -100,6 +100,12 @@ static void quantiles_and_spread(void)
     ok(rb_stats_quantile(powers, 5, 0) == 1 && rb_stats_quantile(powers, 5, 1) == 16 &&
            rb_stats_quantile(powers, 1, 0.7) == 1 && isnan(rb_stats_quantile(powers, 0, 0.5)),
        "quantiles at the ends");
+    double eleven[] = {11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1};
+    ok(rb_stats_quantile_lower(eleven, 11, 0.1) == 2 &&
+           rb_stats_quantile_lower(eleven, 10, 0.1) == 1 &&
+           rb_stats_quantile_lower(eleven, 11, 1) == 11 &&
+           isnan(rb_stats_quantile_lower(eleven, 0, 0.1)),
+       "quantiles at one of the values");
     // Off 10 by 10, 5, 0, 20 and 900 %.
     double off[] = {9, 10.5, 10, 12, 100};
     ok(near(rb_stats_mdape_pct(off, 5, 10), 10) && off[4] == 100, "MdAPE by hand");
