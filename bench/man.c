@@ -156,6 +156,7 @@ static const struct item exit_codes[] = {
     {"0", "Fine."},
     {"1", "The machine let us down: memory, disk, permissions."},
     {"2", "Bad usage or input; or a variant does not render what the reference does."},
+    {"3", "raybench compare --gate found something slower than the threshold."},
     {NULL, NULL},
 };
 
