@@ -25,9 +25,9 @@ static int run(const struct rb_arguments *arguments);
 #define BENCH(field) offsetof(struct rb_arguments, bench.field)
 
 static const struct rb_option options[] = {
-    {"--scenes", "LIST", RB_OPTION_TEXT, BENCH(scenes), 0, 0,
+    {"--scenes", "SCENE,...", RB_OPTION_TEXT, BENCH(scenes), 0, 0,
      "scenes, comma-separated; patterns such as mount_* choose presets; default all six"},
-    {"--variants", "LIST", RB_OPTION_TEXT, BENCH(variants), 0, 0,
+    {"--variants", "VARIANT,...", RB_OPTION_TEXT, BENCH(variants), 0, 0,
      "rows, comma-separated names or patterns, or fastest; default naive,bvh,packet,fastest, the "
      "last three +omp, too"},
     {"--threads", "LIST", RB_OPTION_TEXT, BENCH(threads), 0, 0,

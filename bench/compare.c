@@ -20,9 +20,9 @@ static int run(const struct rb_arguments *arguments);
 #define ARGUMENT(field) offsetof(struct rb_arguments, field)
 
 static const struct rb_option options[] = {
-    {"--variants", "X,Y", RB_OPTION_TEXT, ARGUMENT(bench.variants), 0, 0,
+    {"--variants", "VARIANT,VARIANT", RB_OPTION_TEXT, ARGUMENT(bench.variants), 0, 0,
      "two variants of the one run A; X takes the part of A, Y that of B"},
-    {"--scenes", "LIST", RB_OPTION_TEXT, ARGUMENT(bench.scenes), 0, 0,
+    {"--scenes", "SCENE,...", RB_OPTION_TEXT, ARGUMENT(bench.scenes), 0, 0,
      "only these: names or globs, separated by commas"},
     {"--kernels", "LIST", RB_OPTION_TEXT, ARGUMENT(bench.kernels), 0, 0,
      "default: frame,generate,trace,shade,trace_shadow; also resolve, other"},
@@ -40,12 +40,12 @@ static const struct rb_option options[] = {
 const struct rb_command rb_command_compare = {
     .name = "compare",
     .summary = "compare two runs, or two variants of one run",
-    .synopsis = "A [B] [options]",
+    .synopsis = "RESULT [RESULT] [options]",
     .text =
-        "A and B are folders of results of one machine; a run that has not ended will do. For "
-        "each\n"
-        "scene, variant and kernel: the ratio of the times, B over A, its interval, and whether B\n"
-        "is faster or slower. Where the interval spans 1 that is not resolved.\n"
+        "A, the first RESULT, and B are folders of results of one machine; a run that has not\n"
+        "ended will do. One RESULT alone needs --variants. For each scene, variant and\n"
+        "kernel: the ratio of the times, B over A, its interval, and whether B is faster or\n"
+        "slower. Where the interval spans 1 that is not resolved.\n"
         "\n"
         "The time of a process is the 10th percentile of its repetitions (the minimum of up to\n"
         "ten): for the frame its wall time, for a kernel the time of all threads. Processes of "

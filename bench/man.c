@@ -156,6 +156,7 @@ static const struct item exit_codes[] = {
     {"0", "Fine."},
     {"1", "The machine let us down: memory, disk, permissions."},
     {"2", "Bad usage or input; or a variant does not render what the reference does."},
+    {"3", "raybench compare --gate found something slower than the threshold."},
     {NULL, NULL},
 };
 
@@ -168,6 +169,7 @@ static const struct item environment[] = {
     {"OMP_PROC_BIND, OMP_PLACES, GOMP_CPU_AFFINITY",
      "Where threads run. Without any of them the benchmark binds threads itself where the system "
      "allows."},
+    {"TMPDIR", "Where raybench table keeps images while it measures; default /tmp."},
     {"NO_COLOR", "If set, nothing is printed in colour; into a file or a pipe nothing ever is."},
     {NULL, NULL},
 };
