@@ -210,7 +210,7 @@ static double parse_size(const char *text)
     char *end;
     double size = strtod(text, &end);
     if (end == text || !(size > 0))
-        return NAN;
+        return (double)NAN;
     return size * (*end == 'K' ? 1024 : *end == 'M' ? 1024 * 1024 : 1);
 }
 

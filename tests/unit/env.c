@@ -36,7 +36,7 @@ static void test_written(char *text)
         .scenes = scenes,
         .scene_count = 1,
         .tsc_ns_per_tick = 0.385,
-        .tsc_error_ppm = NAN,
+        .tsc_error_ppm = (double)NAN,
         .probe_ns = 18.5,
         .started = 86400,
     };
