@@ -96,7 +96,7 @@ enum rb_status rb_plan_compose(const struct rb_arguments *given, struct rb_plan 
         status = copy_file(path, text, error);
     else
         fputs(defaults, text);
-    snprintf(plan->file, sizeof plan->file, "%s", plan_named ? path : "");
+    snprintf(plan->file, sizeof plan->file, "%.255s", plan_named ? path : "");
     if (status == RB_OK)
         status = put_lines(given, plan_named, text, error);
     if (fclose(text) != 0 && status == RB_OK)
