@@ -50,7 +50,7 @@ endif
 %packet.avx2.o: ISA := -mavx2 -DRB_PACKET=rb_kernels_packet_avx2
 %packet.avx512.o: ISA := -mavx512f -DRB_PACKET=rb_kernels_packet_avx512
 
-LIB_SRC  := $(sort $(wildcard src/*/*.c bench/*.c))
+LIB_SRC  := $(sort $(wildcard src/*/*.c bench/*/*.c))
 LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o) $(WIDE:%=$(B)/src/kernels/%.o)
 UNIT_SRC := $(sort $(wildcard tests/unit/*.c))
 UNIT     := $(UNIT_SRC:%.c=$(B)/%)
@@ -168,8 +168,8 @@ $(B)/flags: force
 	@printf '%s\n' "$$FLAGS" | cmp -s - $@ || printf '%s\n' "$$FLAGS" >$@
 $(B)/flags.h: $(B)/flags
 	@sed 's/["\\?]/\\&/g; s/.*/#define RB_FLAGS "&"/' $< >$@
-$(B)/bench/env_build.o: ISA := -I$(B)
-$(B)/bench/env_build.o: $(B)/flags.h
+$(B)/bench/machine/env_build.o: ISA := -I$(B)
+$(B)/bench/machine/env_build.o: $(B)/flags.h
 .SECONDARY:
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)

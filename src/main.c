@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "base/cpu.h"
 #include "base/file.h"
-#include "bench/commands.h"
+#include "bench/shell/commands.h"
 #include "cli/commands.h"
 #include "cli/suggest.h"
 

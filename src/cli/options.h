@@ -64,7 +64,8 @@ enum rb_option_kind {
 };
 
 // What values and arguments are called says what completes them: FILE, DIR, SCENE, VARIANT and the
-// other names of bench/complete.c, words in small letters as themselves, alternatives between bars
+// other names of bench/shell/complete.c, words in small letters as themselves, alternatives between
+// bars
 // ("p3d|spd"). A list with commas ends in ",..." ("VARIANT,...").
 struct rb_option {
     const char *name;  // "--depth"; ends a table if NULL

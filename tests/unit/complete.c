@@ -2,9 +2,9 @@
 // every command, which must agree with what its parser takes; and the scripts and the page made
 // from it, with what needs escapes.
 #define _POSIX_C_SOURCE 200809L
-#include "bench/complete.h"
-#include "bench/commands.h"
-#include "bench/man.h"
+#include "bench/shell/complete.h"
+#include "bench/shell/commands.h"
+#include "bench/shell/man.h"
 #include "tests/unit/tap.h"
 
 #include <stdlib.h>

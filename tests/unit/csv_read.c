@@ -1,7 +1,7 @@
 // The CSV reader on what RFC 4180 allows, on what it forbids, on files cut off at every byte, on
 // mutated bytes and without memory.
 #define _POSIX_C_SOURCE 200809L
-#include "bench/csv_read.h"
+#include "bench/data/csv_read.h"
 
 #include "base/memory.h"
 #include "tests/unit/tap.h"

@@ -1,6 +1,6 @@
 // env.json: what is written can be read back, and no bytes whatever upset the reader.
 #define _GNU_SOURCE
-#include "bench/env.h"
+#include "bench/machine/env.h"
 
 #include "base/hash.h"
 #include "tests/unit/tap.h"

@@ -1,6 +1,6 @@
 // hyperfine's JSON: the shape it has, every way to break it, and bytes at random.
 #define _POSIX_C_SOURCE 200809L
-#include "bench/hyperfine.h"
+#include "bench/times/hyperfine.h"
 #include "base/random.h"
 #include "tests/unit/tap.h"
 

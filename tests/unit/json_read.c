@@ -1,5 +1,5 @@
 // The JSON reader on what RFC 8259 allows and forbids, and on mutated bytes.
-#include "bench/json_read.h"
+#include "bench/data/json_read.h"
 
 #include "tests/unit/tap.h"
 

@@ -1,7 +1,7 @@
 // Facts and the doctor's verdicts on made-up machines: trees of files such as /proc and /sys hold.
 #define _GNU_SOURCE
-#include "bench/machine.h"
-#include "bench/doctor.h"
+#include "bench/machine/machine.h"
+#include "bench/machine/doctor.h"
 #include "tests/unit/tap.h"
 
 #include <ftw.h>

@@ -1,9 +1,9 @@
 // The render-time table without measuring: plan, CSV, Markdown, README, what is complete.
 #define _POSIX_C_SOURCE 200809L
 #include "base/memory.h"
-#include "bench/render_measure.h"
-#include "bench/render_report.h"
-#include "bench/render_select.h"
+#include "bench/times/render_measure.h"
+#include "bench/times/render_report.h"
+#include "bench/times/render_select.h"
 #include "scene/load.h"
 #include "tests/unit/tap.h"
 

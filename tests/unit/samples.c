@@ -3,9 +3,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "base/hash.h"
 #include "base/memory.h"
-#include "bench/comparison.h"
-#include "bench/names.h"
-#include "bench/process_times.h"
+#include "bench/compare/comparison.h"
+#include "bench/compare/process_times.h"
+#include "bench/data/names.h"
 #include "tests/unit/tap.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 // Statistics against values computed independently: by hand, in integers here, or with Python's
 // fractions, decimal and statistics modules where a literal has many digits.
-#include "bench/stats.h"
+#include "bench/data/stats.h"
 #include "base/hash.h"
 #include "base/memory.h"
 #include "tests/unit/tap.h"

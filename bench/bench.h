@@ -1,9 +1,0 @@
-// The benchmark harness as a sub-command.
-#ifndef RB_BENCH_BENCH_H
-#define RB_BENCH_BENCH_H
-
-#include "cli/options.h"
-
-extern const struct rb_command rb_command_bench;
-
-#endif

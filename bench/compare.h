@@ -1,9 +1,0 @@
-// `raybench compare`: is B faster than A, by how much, and how sure is that?
-#ifndef RB_BENCH_COMPARE_H
-#define RB_BENCH_COMPARE_H
-
-#include "cli/options.h"
-
-extern const struct rb_command rb_command_compare;
-
-#endif

@@ -1,0 +1,208 @@
+#include "bench/run/table.h"
+
+#include "bench/run/results.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+// The cells of one table.
+struct view {
+    const struct rb_cell *cells[256];
+    int count;
+    int bounces;
+};
+
+static struct view select_cells(const struct rb_plan *plan, const struct rb_reference *reference,
+                                int side)
+{
+    struct view view = {.count = 0};
+    for (int i = 0; i < plan->cell_count && view.count < 256; i++) {
+        const struct rb_cell *cell = &plan->cells[i];
+        if (cell->reference == reference && cell->side == side)
+            view.cells[view.count++] = cell;
+    }
+    for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
+        if (reference->frame.stage[RB_STAGE_TRACE][bounce].rays)
+            view.bounces = bounce + 1;
+    return view;
+}
+
+// The cell of the row's baseline with the same settings; a serial baseline has one thread.
+static const struct rb_cell *baseline_of(const struct view *view, const struct rb_cell *cell)
+{
+    for (int i = 0; i < view->count; i++) {
+        const struct rb_cell *other = view->cells[i];
+        bool same_threads = other->settings.threads == cell->settings.threads ||
+                            !rb_variant_parallel(other->variant);
+        bool same_tile = other->settings.tile == cell->settings.tile || other->group_tiles;
+        if (strcmp(other->variant->name, cell->variant->baseline) == 0 && other != cell &&
+            same_threads && same_tile && rb_cell_has_time(other))
+            return other;
+    }
+    return NULL;
+}
+
+// Four digits, but no exponent.
+static const char *format_ms(double ns, char text[24])
+{
+    snprintf(text, 24, ns >= 1e9 ? "%.0f" : "%.4g", ns * 1e-6);
+    return text;
+}
+
+static void print_frame(const struct view *view, const struct rb_cell *cell, double probe_ns)
+{
+    const struct rb_cell *base = baseline_of(view, cell);
+    char flags[128], interval[64] = "-", value[24], low[24], high[24];
+    printf("  %-18s ", cell->variant->name);
+    if (!rb_cell_has_time(cell)) {
+        bool needs = cell->state == RB_CELL_UNAVAILABLE;
+        printf("%7s   %s%s%s\n", "-", rb_cell_note(cell), needs ? ": needs " : "",
+               needs ? cell->variant->needs : "");
+        return;
+    }
+    struct rb_figure frame = rb_cell_frame_ns(cell);
+    if (isfinite(frame.low))
+        snprintf(interval, sizeof interval, "%s to %s", format_ms(frame.low, low),
+                 format_ms(frame.high, high));
+    printf("%7d %4d %10s  %-22s %8.3f", cell->settings.threads, cell->settings.tile,
+           format_ms(frame.value, value), interval, cell->reference->rays / frame.value * 1e3);
+    if (base)
+        printf("  %8.2f x %-16s", rb_cell_frame_ns(base).value / frame.value, base->variant->name);
+    else
+        printf("  %8s   %-16s", "", "");
+    rb_cell_flags(cell, false, probe_ns, flags);
+    printf(" %2" PRIu32 "  %s\n", cell->process_count, flags);
+}
+
+// Which kernel at which bounce takes most of the row's time, and how sure that is.
+static void print_hot_spot(const struct rb_cell *cell, int bounces)
+{
+    struct rb_line most = {.share = 0}, second = {.share = 0};
+    for (int stage = 0; stage < RB_KERNEL_COUNT; stage++)
+        for (int bounce = 0; bounce < bounces; bounce++) {
+            struct rb_line line = rb_results_line(cell, (enum rb_stage)stage, bounce);
+            if (line.share > most.share) {
+                second = most;
+                most = line;
+            } else if (line.share > second.share) {
+                second = line;
+            }
+        }
+    if (!most.kernel)
+        return;
+    printf("  %-18s %s at bounce %d: %.0f %% of the time, %.4g ns per ray", cell->variant->name,
+           most.kernel, most.bounce, 100.0 * most.share, most.per_ray.value);
+    if (isfinite(most.per_ray.low))
+        printf(" (%.4g to %.4g)", most.per_ray.low, most.per_ray.high);
+    if (second.kernel)
+        printf("; then %s at bounce %d: %.0f %%", second.kernel, second.bounce,
+               100.0 * second.share);
+    printf("\n");
+}
+
+static void print_grid(const struct rb_cell *cell, int bounces)
+{
+    for (int stage = 0; stage < RB_KERNEL_COUNT; stage++) {
+        printf("  %-18s %-14s", stage ? "" : cell->variant->name, rb_stage_names[stage]);
+        for (int bounce = 0; bounce < bounces; bounce++) {
+            double ns = rb_cell_ns_per_ray(cell, (enum rb_stage)stage, bounce).value;
+            if (isfinite(ns))
+                printf(" %9.1f", ns);
+            else
+                printf(" %9s", "-");
+        }
+        printf("\n");
+    }
+}
+
+static void print_ray_counts(const struct rb_reference *reference, int bounces)
+{
+    static const struct {
+        const char *name;
+        enum rb_stage stage;
+    } lines[] = {{"rays traced", RB_STAGE_TRACE}, {"shadow rays", RB_STAGE_TRACE_SHADOW}};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        printf("  %-33s", lines[i].name);
+        for (int bounce = 0; bounce < bounces; bounce++)
+            printf(" %9" PRIu64, reference->frame.stage[lines[i].stage][bounce].rays);
+        printf("\n");
+    }
+}
+
+// How many times as fast per ray as in the baseline row, where that is certain: the intervals do
+// not overlap.
+static void print_gain(const struct rb_cell *cell, const struct rb_cell *base, enum rb_stage stage,
+                       int bounce)
+{
+    struct rb_figure a = rb_cell_ns_per_ray(base, stage, bounce);
+    struct rb_figure b = rb_cell_ns_per_ray(cell, stage, bounce);
+    bool known = isfinite(a.low) && isfinite(b.low);
+    if (known && (a.low > b.high || a.high < b.low))
+        printf(" %9.2f", a.value / b.value);
+    else
+        printf(" %9s", known ? "=" : isfinite(b.value) ? "?" : "-");
+}
+
+static void print_gain_lines(const struct rb_cell *cell, const struct rb_cell *base, int bounces)
+{
+    for (int stage = 0; stage < RB_KERNEL_COUNT; stage++) {
+        char name[48] = "";
+        if (stage < 2)
+            snprintf(name, sizeof name, stage ? "  over %s" : "%s",
+                     stage ? base->variant->name : cell->variant->name);
+        printf("  %-18s %-14s", name, rb_stage_names[stage]);
+        for (int bounce = 0; bounce < bounces; bounce++)
+            print_gain(cell, base, (enum rb_stage)stage, bounce);
+        printf("\n");
+    }
+}
+
+// What each serial row brings, kernel by kernel: parallel rows run the same kernels.
+static void print_gains(const struct view *view)
+{
+    bool begun = false;
+    for (int i = 0; i < view->count; i++) {
+        const struct rb_cell *cell = view->cells[i], *base = baseline_of(view, cell);
+        if (!base || rb_variant_parallel(cell->variant) || !rb_cell_has_time(cell))
+            continue;
+        if (!begun)
+            printf("\n  %-18s %-14s  (= the 95 %% intervals overlap, ? there are none)\n",
+                   "x as fast per ray", "");
+        begun = true;
+        print_gain_lines(cell, base, view->bounces);
+    }
+}
+
+void rb_table_print(const struct rb_plan *plan, const struct rb_reference *reference, int side,
+                    double probe_ns)
+{
+    const struct view view = select_cells(plan, reference, side);
+    const struct rb_settings *s = &reference->settings;
+    printf("\n%s: %d x %d, depth %d, %" PRIu32 " primitives, %.0f rays a frame\n",
+           reference->scene_name, s->width, s->height, s->depth, reference->primitive_count,
+           reference->rays);
+    printf("  reference: %s\n", strcmp(reference->made_by, "bvh") == 0
+                                    ? "bvh, which agreed with naive on a random sample of tiles"
+                                : reference->cached ? "naive, in full, kept from an earlier run"
+                                                    : "naive, in full");
+    printf("\n  %-18s %7s %4s %10s  %-22s %8s  %-27s %2s  %s\n", "variant", "threads", "tile",
+           "ms/frame", "95 % interval", "Mrays/s", "speed-up", "n", "flags");
+    for (int i = 0; i < view.count; i++)
+        print_frame(&view, view.cells[i], probe_ns);
+    printf("\n  where most of the time goes\n");
+    for (int i = 0; i < view.count; i++)
+        if (rb_cell_has_time(view.cells[i]))
+            print_hot_spot(view.cells[i], view.bounces);
+    printf("\n  %-18s %-14s", "ns per ray", "bounce");
+    for (int bounce = 0; bounce < view.bounces; bounce++)
+        printf(" %9d", bounce);
+    printf("\n");
+    for (int i = 0; i < view.count; i++)
+        if (rb_cell_has_time(view.cells[i]))
+            print_grid(view.cells[i], view.bounces);
+    print_ray_counts(reference, view.bounces);
+    print_gains(&view);
+    fflush(stdout);
+}

@@ -1,0 +1,30 @@
+#include "bench/shell/commands.h"
+
+#include "bench/compare/compare.h"
+#include "bench/machine/doctor.h"
+#include "bench/run/bench.h"
+#include "bench/run/worker.h"
+#include "bench/shell/completions.h"
+#include "bench/shell/man.h"
+#include "bench/times/render_command.h"
+#include "cli/commands.h"
+
+#include <stddef.h>
+
+// A command a line, as --help lists them, whatever fits.
+// clang-format off
+const struct rb_command *const rb_commands[] = {
+    &rb_command_render,
+    &rb_command_pixel,
+    &rb_command_info,
+    &rb_command_scene,
+    &rb_command_list,
+    &rb_command_bench,
+    &rb_command_compare,
+    &rb_command_table,
+    &rb_command_doctor,
+    &rb_command_completions,
+    &rb_command_man,
+    &rb_command_worker,
+    NULL,
+};
