@@ -1,6 +1,7 @@
 #include "bench/commands.h"
 
 #include "bench/bench.h"
+#include "bench/export.h"
 #include "cli/commands.h"
 
 #include <stddef.h>
@@ -12,5 +13,6 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_scene,
     &rb_command_list,
     &rb_command_bench,
+    &rb_command_export,
     NULL,
 };

@@ -22,6 +22,7 @@ struct rb_arguments {
     bool size_given;
     enum rb_dialect dialect;
     double budget_s; // of a benchmark
+    const char *format; // of an export
 };
 
 enum rb_option_kind {
