@@ -64,8 +64,10 @@ static void put_escaped(FILE *out, const char *text)
 void rb_export_put_name(FILE *out, const char *const key[RB_KEY_COUNT], char colon)
 {
     static const char *const usual[RB_KEY_COUNT] = {
-        [RB_KEY_DEPTH] = "5", [RB_KEY_AA] = "1",    [RB_KEY_LIGHT_SAMPLES] = "1",
-        [RB_KEY_TILE] = "64", [RB_KEY_BOUNCE] = "",
+        [RB_KEY_DEPTH] = "5",
+        [RB_KEY_AA] = "1",
+        [RB_KEY_LIGHT_SAMPLES] = "1",
+        [RB_KEY_TILE] = "64",
     };
     static const char *const names[RB_KEY_COUNT] = {
         [RB_KEY_SCENE] = "scene",     [RB_KEY_DEPTH] = "depth",
@@ -77,7 +79,7 @@ void rb_export_put_name(FILE *out, const char *const key[RB_KEY_COUNT], char col
     for (int i = 0; i < RB_KEY_COUNT; i++) {
         if (i == RB_KEY_WIDTH && !square)
             fprintf(out, "/size%c%sx%s", colon, key[RB_KEY_WIDTH], key[RB_KEY_HEIGHT]);
-        if (!names[i] || (usual[i] && strcmp(key[i], usual[i]) == 0))
+        if (!names[i] || !key[i][0] || (usual[i] && strcmp(key[i], usual[i]) == 0))
             continue;
         fprintf(out, "/%s%c", names[i], colon);
         put_escaped(out, key[i]);

@@ -100,6 +100,8 @@ static enum rb_status take_rows(struct rb_export *result, const struct rb_csv *c
         struct rb_export_series series = {.row = row};
         for (size_t i = 0; i < RB_KEY_COUNT; i++)
             series.key[i] = rb_csv_text(csv, row, i < table->key_count ? table->key[i] : -1);
+        if (table->key_count == RB_KEY_CELL)
+            series.key[RB_KEY_KERNEL] = "frame";
         const char *why = why_not(csv, row, table);
         if (why ? !rb_export_omit(result, &series, why)
                 : !rb_array_push(&result->series, &series, sizeof series))

@@ -150,6 +150,10 @@ static void put_kernels(const struct tables *t, const struct rb_export_series *f
     for (size_t row = 0; (row = next_line(t, row, frame)) < csv->row_count; row++) {
         const char *here = kernel_text(t, row, RB_KEY_KERNEL);
         int bounce = bounce_of(t, row);
+        double value = rb_csv_number(csv, row, t->kernel[NS_PER_RAY]);
+        bool invalid = rb_export_has_flag(rb_csv_text(csv, row, t->kernel[FLAGS]), "invalid");
+        if (invalid || isnan(value) || bounce == RB_DEPTH_MAX)
+            continue;
         if (!kernel || strcmp(kernel, here) != 0) {
             if (kernel)
                 put_kernel(t, frame, kernel, ns, bounces);
@@ -157,9 +161,7 @@ static void put_kernels(const struct tables *t, const struct rb_export_series *f
                 ns[i] = (double)NAN;
             kernel = here;
         }
-        bool invalid = rb_export_has_flag(rb_csv_text(csv, row, t->kernel[FLAGS]), "invalid");
-        if (bounce < RB_DEPTH_MAX && !invalid)
-            ns[bounce] = rb_csv_number(csv, row, t->kernel[NS_PER_RAY]);
+        ns[bounce] = value;
     }
     if (kernel)
         put_kernel(t, frame, kernel, ns, bounces);
