@@ -74,7 +74,7 @@ bench: all
 table: all
 	$(B)/raybench table $(if $(CHECK),--check) $(TABLE)
 
-## selftest: verdicts on the program against itself, and on known slow-downs; two minutes
+## selftest: verdicts on the program against itself, and on known slow-downs; three minutes
 selftest: all
 	@RAYBENCH=$(B)/raybench scripts/selftest
 

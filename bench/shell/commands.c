@@ -1,6 +1,7 @@
 #include "bench/shell/commands.h"
 
 #include "bench/compare/compare.h"
+#include "bench/export/export.h"
 #include "bench/machine/doctor.h"
 #include "bench/run/bench.h"
 #include "bench/run/worker.h"
@@ -21,6 +22,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_list,
     &rb_command_bench,
     &rb_command_compare,
+    &rb_command_export,
     &rb_command_table,
     &rb_command_doctor,
     &rb_command_completions,

@@ -26,6 +26,7 @@ struct rb_bench_arguments {
     const char *kernels; // of a comparison, as the next ones
     double level, threshold_pct;
     bool bounces, gate;
+    const char *format; // of an export
 };
 
 // Everything any command can be told. Zero or NULL means not given.
