@@ -7,12 +7,6 @@
 #include <stddef.h>
 
 const struct rb_command *const rb_commands[] = {
-    &rb_command_render,
-    &rb_command_pixel,
-    &rb_command_info,
-    &rb_command_scene,
-    &rb_command_list,
-    &rb_command_bench,
-    &rb_command_export,
-    NULL,
+    &rb_command_render, &rb_command_pixel, &rb_command_info,   &rb_command_scene,
+    &rb_command_list,   &rb_command_bench, &rb_command_export, NULL,
 };

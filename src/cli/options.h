@@ -21,7 +21,7 @@ struct rb_arguments {
     int size; // of a generated scene
     bool size_given;
     enum rb_dialect dialect;
-    double budget_s; // of a benchmark
+    double budget_s;    // of a benchmark
     const char *format; // of an export
 };
 
