@@ -26,7 +26,8 @@ is_benchfmt() {
     awk '
         /^$/ || /^# / || /^[a-z][a-z-]*: [^ ]/ { next }
         /^Unit [^ ]+ better=(lower|higher)$/ { unit[$2] = 1; next }
-        $1 ~ /^Benchmark[A-Z][A-Za-z]*(\/[a-z_]+=[A-Za-z0-9+._%-]+)+-[0-9]+$/ && NF >= 4 && !(NF % 2) {
+        $1 ~ /^Benchmark[A-Z][A-Za-z]*(\/[a-z_]+=[A-Za-z0-9+._%-]+)+-[0-9]+$/ {
+            if (NF < 4 || NF % 2) exit 1
             if ($2 !~ /^[1-9][0-9]*$/) exit 1
             for (i = 3; i < NF; i += 2)
                 if ($i !~ /^[0-9.]+(e[-+][0-9]+)?$/ || !($(i + 1) in unit || $(i + 1) == "ns/op"))
