@@ -77,6 +77,7 @@ static void test_written(char *text)
     ok(!rb_env_json_text(path, "tools.none", value, sizeof value), "nor what is not there");
     ok(!rb_env_json_text(path, "session", value, 8) && !value[0], "nothing is cut to fit");
     ok(rb_env_json_text(path, "session", value, strlen(run.session) + 1), "but it may just fit");
+    ok(!rb_env_json_text(path, "session", value, strlen(run.session)), "one byte less is too few");
     ok(!rb_env_json_text("/nonexistent", "session", value, sizeof value) && !value[0], "no file");
     ok(!rb_env_json_text("/tmp", "session", value, sizeof value), "a folder");
 }
