@@ -3,7 +3,6 @@
 #define RB_MACHINE_ENV_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <time.h>
@@ -33,11 +32,5 @@ struct rb_env_run {
 // their versions, which takes about 0.1 s: do it outside of what is timed. What is unknown is null;
 // "unreadable" says why for facts of the machine. Errors are the stream's.
 void rb_env_write(FILE *out, const struct rb_env_run *run);
-
-// Reads the string at a dotted path ("session", "host.name") of the JSON file `path`. False, with
-// `value` empty, if the file cannot be read or is no JSON, there is no such member, it is no
-// string, it holds a character above U+00FF or a NUL (the writer, bench/data/json.h, makes
-// neither), or it does not fit into `size` bytes. If several are there, the first string counts.
-bool rb_env_json_text(const char *path, const char *key, char *value, size_t size);
 
 #endif

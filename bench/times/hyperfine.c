@@ -1,7 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/times/hyperfine.h"
 
-#include "bench/data/text.h"
+#include "base/file.h"
 #include "bench/times/timed.h"
 
 #include <stdio.h>
@@ -70,7 +70,7 @@ enum rb_status rb_hyperfine_run(char *const argv[], int warmups, int runs, const
     size_t length;
     enum rb_status status = rb_timed_run(words, log, &whole, error);
     if (status == RB_OK)
-        status = rb_text_load(json, &text, &length, error);
+        status = rb_file_read(json, &text, &length, error);
     if (status)
         return status;
     status = rb_hyperfine_parse(text, length, times, error);

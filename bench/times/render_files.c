@@ -3,7 +3,6 @@
 
 #include "base/file.h"
 #include "base/memory.h"
-#include "bench/data/text.h"
 #include "bench/times/render_report.h"
 
 #include <stdlib.h>
@@ -71,7 +70,7 @@ static enum rb_status make_readme(struct rb_render_files *files,
     size_t length;
     if (snprintf(file->path, sizeof file->path, "%s", path) >= (int)sizeof file->path)
         return rb_error_set(error, RB_INVALID, "the name of the README is too long");
-    enum rb_status status = rb_text_load(path, &text, &length, error);
+    enum rb_status status = rb_file_read(path, &text, &length, error);
     if (status)
         return status;
     FILE *out = begin(files);
@@ -157,7 +156,7 @@ enum rb_status rb_render_files_check(const struct rb_render_files *files, struct
         const struct rb_render_file *file = &files->files[i];
         char *text;
         size_t length;
-        enum rb_status status = rb_text_load(file->path, &text, &length, error);
+        enum rb_status status = rb_file_read(file->path, &text, &length, error);
         if (status)
             return status;
         error->line = first_difference(file->text, file->length, text, length);

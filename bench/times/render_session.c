@@ -1,9 +1,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/times/render_session.h"
 
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/memory.h"
-#include "bench/data/text.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -101,7 +101,7 @@ static enum rb_status hash_image(const struct rb_render_session *session, uint64
 {
     char *text;
     size_t length;
-    enum rb_status status = rb_text_load(session->image, &text, &length, error);
+    enum rb_status status = rb_file_read(session->image, &text, &length, error);
     if (status)
         return status;
     *hash = length;
