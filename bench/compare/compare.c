@@ -86,7 +86,7 @@ static enum rb_status load_run(const char *folder, struct rb_compare_run *side,
                                struct rb_error *error)
 {
     side->folder = folder;
-    enum rb_status status = rb_samples_load(folder, &side->samples, error);
+    enum rb_status status = rb_timings_load(folder, &side->samples, error);
     if (status || side->samples.count)
         return status;
     return rb_error_set(error, RB_INVALID, "no whole repetition yet");
@@ -141,15 +141,15 @@ static enum rb_status check_lists(const struct rb_compare_side sides[2], const c
 {
     char item[RB_NAME_MAX];
     while (scenes && rb_names_next(&scenes, item))
-        if (!has_key(sides, RB_CELL_SCENE, item))
-            return refuse_name(sides, RB_CELL_SCENE, item, error);
+        if (!has_key(sides, RB_KEY_SCENE, item))
+            return refuse_name(sides, RB_KEY_SCENE, item, error);
     while (kernels && rb_names_next(&kernels, item)) {
         struct rb_suggestion suggestion = {.typed = item, .length = strlen(item)};
         char nearest[RB_SUGGESTION_TEXT];
         bool found = false;
-        for (int i = 0; i < RB_SAMPLE_KERNELS; i++) {
-            found |= rb_names_match(item, rb_sample_kernels[i].name);
-            rb_suggestion_offer(&suggestion, rb_sample_kernels[i].name);
+        for (int i = 0; i < RB_TIMED_KERNELS; i++) {
+            found |= rb_names_match(item, rb_timed_kernels[i].name);
+            rb_suggestion_offer(&suggestion, rb_timed_kernels[i].name);
         }
         if (!found)
             return rb_error_set(error, RB_INVALID, "there is no kernel '%.80s'%s", item,
@@ -168,8 +168,8 @@ static enum rb_status split_variants(const char *list, char names[2][RB_NAME_MAX
         return rb_error_set(error, RB_INVALID, "--variants: expected two names, X,Y");
     for (int s = 0; s < 2; s++) {
         sides[s].variant = names[s];
-        if (!has_key(sides, RB_CELL_VARIANT, names[s]))
-            return refuse_name(sides, RB_CELL_VARIANT, names[s], error);
+        if (!has_key(sides, RB_KEY_VARIANT, names[s]))
+            return refuse_name(sides, RB_KEY_VARIANT, names[s], error);
     }
     return RB_OK;
 }
@@ -289,7 +289,7 @@ static int run(const struct rb_arguments *arguments)
         status = check_same_machine(runs[0], runs[1], &error);
     if (!status)
         status = compare(arguments, runs, &code, &error);
-    rb_samples_free(&loaded[0].samples);
-    rb_samples_free(&loaded[1].samples);
+    rb_timings_free(&loaded[0].samples);
+    rb_timings_free(&loaded[1].samples);
     return status ? rb_report(status, &error) : code;
 }

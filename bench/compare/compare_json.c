@@ -43,11 +43,11 @@ static void put_family(struct rb_json *json, const char *key,
 }
 
 // Numbers as numbers; members of the object that is open.
-static void put_key(struct rb_json *json, const struct rb_cell *cell, unsigned skip)
+static void put_key(struct rb_json *json, const struct rb_timed_cell *cell, unsigned skip)
 {
-    for (int i = 0; i < RB_CELL_KEYS; i++) {
+    for (int i = 0; i < RB_KEY_KEYS; i++) {
         const char *text = cell->key[i];
-        bool number = i != RB_CELL_SCENE && i != RB_CELL_VARIANT && text[0] &&
+        bool number = i != RB_KEY_SCENE && i != RB_KEY_VARIANT && text[0] &&
                       strspn(text, "0123456789") == strlen(text) && strlen(text) < 10;
         if (skip >> i & 1)
             continue;
@@ -61,7 +61,7 @@ static void put_key(struct rb_json *json, const struct rb_cell *cell, unsigned s
 static void put_row(struct rb_json *json, const struct rb_compare_row *row)
 {
     rb_json_object(json, NULL);
-    rb_json_string(json, "kernel", rb_sample_kernels[row->kernel].name);
+    rb_json_string(json, "kernel", rb_timed_kernels[row->kernel].name);
     if (row->bounce == RB_ALL_BOUNCES)
         rb_json_string(json, "bounce", NULL);
     else
@@ -102,7 +102,7 @@ static void put_means(struct rb_json *json, const struct rb_comparison *comparis
     rb_json_array(json, "frame_means");
     while (rb_comparison_next_mean(comparison, &first, &mean)) {
         rb_json_object(json, NULL);
-        put_key(json, mean.like, comparison->key_skip | 1u << RB_CELL_SCENE);
+        put_key(json, mean.like, comparison->key_skip | 1u << RB_KEY_SCENE);
         rb_json_integer(json, "scenes", (int64_t)mean.scenes);
         rb_json_number(json, "geometric_mean_ratio", mean.ratio);
         rb_json_end_object(json);

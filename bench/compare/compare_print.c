@@ -9,18 +9,19 @@ static const struct {
     enum rb_cell_key key;
     const char *before, *after, *usual;
 } label_parts[] = {
-    {RB_CELL_SCENE, "", "", ""},
-    {RB_CELL_WIDTH, " ", "", ""},
-    {RB_CELL_HEIGHT, "x", "", ""},
-    {RB_CELL_DEPTH, ", depth ", "", ""},
-    {RB_CELL_AA, ", aa ", "", "1"},
-    {RB_CELL_LIGHT_SAMPLES, ", light samples ", "", "1"},
-    {RB_CELL_TILE, ", tile ", "", "64"},
-    {RB_CELL_VARIANT, ", ", "", ""},
-    {RB_CELL_THREADS, ", ", " threads", "1"},
+    {RB_KEY_SCENE, "", "", ""},
+    {RB_KEY_WIDTH, " ", "", ""},
+    {RB_KEY_HEIGHT, "x", "", ""},
+    {RB_KEY_DEPTH, ", depth ", "", ""},
+    {RB_KEY_AA, ", aa ", "", "1"},
+    {RB_KEY_LIGHT_SAMPLES, ", light samples ", "", "1"},
+    {RB_KEY_TILE, ", tile ", "", "64"},
+    {RB_KEY_VARIANT, ", ", "", ""},
+    {RB_KEY_THREADS, ", ", " threads", "1"},
 };
 
-void rb_compare_label(const struct rb_cell *cell, unsigned skip, char label[RB_CELL_LABEL_MAX])
+void rb_compare_label(const struct rb_timed_cell *cell, unsigned skip,
+                      char label[RB_CELL_LABEL_MAX])
 {
     size_t used = 0;
     label[0] = '\0';
@@ -89,7 +90,7 @@ static void print_verdict(const struct rb_compare_row *row, size_t needed)
 static void print_row(const struct rb_comparison *comparison, const struct rb_compare_row *row)
 {
     char name[32], interval[32] = "-", processes[48];
-    const char *kernel = rb_sample_kernels[row->kernel].name;
+    const char *kernel = rb_timed_kernels[row->kernel].name;
     if (row->bounce == RB_ALL_BOUNCES)
         snprintf(name, sizeof name, "%s", kernel);
     else
@@ -128,7 +129,7 @@ static void print_means(const struct rb_comparison *comparison)
     size_t first = 0;
     const char *gap = "\n";
     while (rb_comparison_next_mean(comparison, &first, &mean)) {
-        rb_compare_label(mean.like, comparison->key_skip | 1u << RB_CELL_SCENE, label);
+        rb_compare_label(mean.like, comparison->key_skip | 1u << RB_KEY_SCENE, label);
         printf("%sframe, geometric mean of the ratios of %zu scenes: %.4f (%s)\n", gap, mean.scenes,
                mean.ratio, label + strspn(label, " ,"));
         gap = "";

@@ -8,7 +8,7 @@
 struct rb_compare_run {
     const char *folder;
     char session[128], host[128], cpu_model[160], commit[64];
-    struct rb_samples samples;
+    struct rb_timings samples;
 };
 
 // What a gate makes of a comparison.
@@ -30,7 +30,8 @@ struct rb_compare_report {
 enum { RB_CELL_LABEL_MAX = 512 };
 
 // "balls_high 512x512, depth 5, tile 64, bvh, 1 thread"; without the columns in `skip`.
-void rb_compare_label(const struct rb_cell *cell, unsigned skip, char label[RB_CELL_LABEL_MAX]);
+void rb_compare_label(const struct rb_timed_cell *cell, unsigned skip,
+                      char label[RB_CELL_LABEL_MAX]);
 
 // On standard output.
 void rb_compare_print(const struct rb_compare_report *report);

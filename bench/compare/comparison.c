@@ -11,7 +11,8 @@
 
 static int compare_keys(const void *a, const void *b)
 {
-    return rb_cell_compare(*(const struct rb_cell *const *)a, *(const struct rb_cell *const *)b, 0);
+    return rb_cell_compare(*(const struct rb_timed_cell *const *)a,
+                           *(const struct rb_timed_cell *const *)b, 0);
 }
 
 // The cells of one side that are asked for, in order.
@@ -19,19 +20,19 @@ static enum rb_status select_cells(const struct rb_compare_side *side, const cha
                                    struct rb_array *selected, struct rb_error *error)
 {
     for (size_t i = 0; i < side->samples->cell_count; i++) {
-        const struct rb_cell *cell = &side->samples->cells[i];
-        if (!rb_names_match(scenes, cell->key[RB_CELL_SCENE]) ||
-            (side->variant && strcmp(side->variant, cell->key[RB_CELL_VARIANT]) != 0))
+        const struct rb_timed_cell *cell = &side->samples->cells[i];
+        if (!rb_names_match(scenes, cell->key[RB_KEY_SCENE]) ||
+            (side->variant && strcmp(side->variant, cell->key[RB_KEY_VARIANT]) != 0))
             continue;
         if (!rb_array_push(selected, &cell, sizeof cell))
             return rb_error_memory(error, "the comparison");
     }
     if (selected->count)
-        qsort(selected->data, selected->count, sizeof(struct rb_cell *), compare_keys);
+        qsort(selected->data, selected->count, sizeof(struct rb_timed_cell *), compare_keys);
     return RB_OK;
 }
 
-static bool same_image(const struct rb_cell *a, const struct rb_cell *b)
+static bool same_image(const struct rb_timed_cell *a, const struct rb_timed_cell *b)
 {
     return !a->images_differ && !b->images_differ &&
            (!a->image_hash[0] || !b->image_hash[0] || strcmp(a->image_hash, b->image_hash) == 0);
@@ -42,7 +43,7 @@ static enum rb_status match_cells(const struct rb_array selected[2], unsigned sk
                                   struct rb_array *pairs, struct rb_array only[2],
                                   struct rb_error *error)
 {
-    const struct rb_cell *const *a = selected[0].data, *const *b = selected[1].data;
+    const struct rb_timed_cell *const *a = selected[0].data, *const *b = selected[1].data;
     bool pushed = true;
     for (size_t i = 0, j = 0; pushed && (i < selected[0].count || j < selected[1].count);) {
         int by = i == selected[0].count   ? 1
@@ -73,10 +74,10 @@ static enum rb_verdict judge(const struct rb_median *ratio)
 static bool row_times(const struct rb_compare_side sides[2], const struct rb_compare_cell *cell,
                       bool paired, const struct rb_compare_row *row, struct rb_process_times *work)
 {
-    const struct rb_samples *a = sides[0].samples, *b = sides[1].samples;
+    const struct rb_timings *a = sides[0].samples, *b = sides[1].samples;
     size_t a_cell = (size_t)(cell->a - a->cells), b_cell = (size_t)(cell->b - b->cells);
-    rb_process_times_fill(work, rb_samples_find(a, a_cell, row->kernel, row->bounce),
-                          rb_samples_find(b, b_cell, row->kernel, row->bounce), paired);
+    rb_process_times_fill(work, rb_timings_find(a, a_cell, row->kernel, row->bounce),
+                          rb_timings_find(b, b_cell, row->kernel, row->bounce), paired);
     return work->counts[0] && work->counts[1];
 }
 
@@ -95,7 +96,7 @@ static void estimate(const struct rb_process_times *work, bool paired, double le
 
 static bool wants_kernel(const struct rb_compare_options *options, int kernel)
 {
-    const struct rb_sample_kernel *k = &rb_sample_kernels[kernel];
+    const struct rb_timed_kernel *k = &rb_timed_kernels[kernel];
     return options->kernels ? rb_names_match(options->kernels, k->name) : k->usual;
 }
 
@@ -106,8 +107,8 @@ static bool list_rows(const struct rb_compare_side sides[2],
 {
     bool pushed = true;
     cell->first_row = rows->count;
-    for (int kernel = 0; kernel < RB_SAMPLE_KERNELS && cell->same_image; kernel++) {
-        bool bounces = options->bounces && rb_sample_kernels[kernel].has_bounces;
+    for (int kernel = 0; kernel < RB_TIMED_KERNELS && cell->same_image; kernel++) {
+        bool bounces = options->bounces && rb_timed_kernels[kernel].has_bounces;
         for (int bounce = RB_ALL_BOUNCES; bounce < (bounces ? RB_DEPTH_MAX : 0); bounce++) {
             struct rb_compare_row row = {.kernel = kernel, .bounce = bounce};
             if (wants_kernel(options, kernel) &&
@@ -163,7 +164,7 @@ enum rb_status rb_comparison_make(const struct rb_compare_side sides[2],
 {
     struct rb_array selected[2] = {{0}}, only[2] = {{0}}, pairs = {0};
     *comparison = (struct rb_comparison){0};
-    comparison->key_skip = sides[0].variant ? 1u << RB_CELL_VARIANT : 0;
+    comparison->key_skip = sides[0].variant ? 1u << RB_KEY_VARIANT : 0;
     enum rb_status status = RB_OK;
     for (int s = 0; s < 2 && !status; s++)
         status = select_cells(&sides[s], options->scenes, &selected[s], error);
@@ -212,7 +213,7 @@ static double frame_ratio(const struct rb_comparison *comparison, size_t cell)
 // Are the two cells the same but for the scene, and do both have a ratio?
 static bool in_group(const struct rb_comparison *comparison, size_t i, size_t j)
 {
-    unsigned skip = comparison->key_skip | 1u << RB_CELL_SCENE;
+    unsigned skip = comparison->key_skip | 1u << RB_KEY_SCENE;
     const struct rb_compare_cell *cells = comparison->cells;
     return rb_cell_compare(cells[i].a, cells[j].a, skip) == 0 &&
            !isnan(frame_ratio(comparison, i)) && !isnan(frame_ratio(comparison, j));

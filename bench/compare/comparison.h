@@ -2,11 +2,11 @@
 #ifndef RB_COMPARE_COMPARISON_H
 #define RB_COMPARE_COMPARISON_H
 
-#include "bench/compare/samples.h"
+#include "bench/compare/timings.h"
 #include "bench/data/stats.h"
 
 struct rb_compare_side {
-    const struct rb_samples *samples;
+    const struct rb_timings *samples;
     const char *variant; // the only one that counts; NULL if all do
 };
 
@@ -25,7 +25,7 @@ enum rb_verdict {
 };
 
 struct rb_compare_row {
-    int kernel, bounce;      // as in struct rb_sample
+    int kernel, bounce;      // as in struct rb_timing
     size_t a_count, b_count; // processes; pairs of them, if paired
     double a_ns, b_ns;       // medians over these
     struct rb_median ratio;  // time of B over time of A
@@ -34,7 +34,7 @@ struct rb_compare_row {
 
 // Cells of the same key. Where the images differ, so does the work: there are no rows.
 struct rb_compare_cell {
-    const struct rb_cell *a, *b;
+    const struct rb_timed_cell *a, *b;
     bool same_image;
     size_t first_row, row_count;
 };
@@ -46,7 +46,7 @@ struct rb_compare_family {
 };
 
 struct rb_compare_mean {
-    const struct rb_cell *like; // of A: any cell of the group
+    const struct rb_timed_cell *like; // of A: any cell of the group
     size_t scenes;
     double ratio;
 };
@@ -56,7 +56,7 @@ struct rb_comparison {
     size_t cell_count;
     struct rb_compare_row *rows;
     size_t row_count;
-    const struct rb_cell **only[2]; // in A, in B
+    const struct rb_timed_cell **only[2]; // in A, in B
     size_t only_count[2];
     struct rb_compare_family kernels, bounces;
     unsigned key_skip; // columns that are not compared: the variant, if both sides name one

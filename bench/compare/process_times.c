@@ -8,7 +8,7 @@ static const double time_quantile = 0.1;
 // Samples of one process, in the order of its repetitions.
 struct rb_process {
     uint64_t id;
-    const struct rb_sample *first;
+    const struct rb_timing *first;
     size_t count;
 };
 
@@ -36,11 +36,11 @@ void rb_process_times_free(struct rb_process_times *work)
     *work = (struct rb_process_times){0};
 }
 
-static size_t split(struct rb_sample_range range, struct rb_process *processes)
+static size_t split(struct rb_timing_range range, struct rb_process *processes)
 {
     size_t count = 0;
     for (size_t i = 0; i < range.count; i++) {
-        const struct rb_sample *sample = &range.first[i];
+        const struct rb_timing *sample = &range.first[i];
         if (count == 0 || processes[count - 1].id != sample->process)
             processes[count++] = (struct rb_process){sample->process, sample, 0};
         processes[count - 1].count++;
@@ -100,8 +100,8 @@ static void fill_independent(struct rb_process_times *work, const size_t counts[
     }
 }
 
-void rb_process_times_fill(struct rb_process_times *work, struct rb_sample_range a,
-                           struct rb_sample_range b, bool paired)
+void rb_process_times_fill(struct rb_process_times *work, struct rb_timing_range a,
+                           struct rb_timing_range b, bool paired)
 {
     const size_t counts[2] = {split(a, work->processes[0]), split(b, work->processes[1])};
     if (paired)

@@ -2,7 +2,7 @@
 #ifndef RB_COMPARE_PROCESS_TIMES_H
 #define RB_COMPARE_PROCESS_TIMES_H
 
-#include "bench/compare/samples.h"
+#include "bench/compare/timings.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,7 +26,7 @@ void rb_process_times_free(struct rb_process_times *work);
 // than p10 where memory decides. A low quantile of few repetitions lies higher than one of many,
 // so both sides count the same number of them: the first, as many as both processes of a pair
 // have, or, if not paired, as many as typical processes of both sides have.
-void rb_process_times_fill(struct rb_process_times *work, struct rb_sample_range a,
-                           struct rb_sample_range b, bool paired);
+void rb_process_times_fill(struct rb_process_times *work, struct rb_timing_range a,
+                           struct rb_timing_range b, bool paired);
 
 #endif

@@ -215,6 +215,7 @@ static void print_results(const struct rb_run *run, bool partial)
     for (int i = 0; i < run->plan->reference_count; i++)
         if (run->plan->references[i].made_by)
             rb_table_print(run->plan, &run->plan->references[i], 0, run->probe_ns);
+    rb_table_print_summary(run->plan);
     printf(
         "\nns per ray: time of all threads over queue entries, misses included; medians over n\n"
         "processes. Mrays/s: trace and trace_shadow rays per frame time. A probe costs %.1f ns.\n",

@@ -267,7 +267,7 @@ void rb_cell_flags(const struct rb_cell *cell, bool partial, double probe_ns, ch
         preempted += sample->context_switches > 0;
         migrated += sample->migrations > 0;
         stolen += sample->steal_ms > 0;
-        unsteady += !sample->steady && !cell->group_tiles;
+        unsteady += sample->steady == 0;
     }
     text[0] = '\0';
     add_flag(text, "invalid", cell->state == RB_CELL_INVALID);

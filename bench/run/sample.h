@@ -20,7 +20,7 @@ struct rb_sample {
     int32_t threads;     // that took part
     int32_t cpu;         // that the process is held on; -1: on none
     bool mismatch;       // hits, image or rays are not those of the reference
-    bool steady;         // the last two frames of the warm-up were within 5 %
+    int8_t steady;       // the last two frames before it were within 5 %: 1, 0; -1: not known
     uint64_t wall_ns, busy_max_ns, build_ns;
     uint64_t tree_bytes, peak_bytes;
     uint64_t image_hash, hits_hash; // hits: of the frame that was verified, before this one
@@ -31,7 +31,7 @@ struct rb_sample {
     uint64_t reflected[RB_BOUNCE_MAX], refracted[RB_BOUNCE_MAX];
 };
 
-enum { RB_SAMPLE_VERSION = 1, RB_REPETITIONS_MAX = 32 };
+enum { RB_SAMPLE_VERSION = 2, RB_REPETITIONS_MAX = 32 };
 #define RB_SAMPLE_MAGIC                                                                            \
     ((uint64_t)0x7262 << 48 | RB_SAMPLE_VERSION << 24 | sizeof(struct rb_sample))
 

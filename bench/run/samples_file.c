@@ -71,7 +71,7 @@ FRAME_COLUMN(migrations,
 FRAME_COLUMN(steal_ms, rb_number(line->sample->steal_ms))
 FRAME_COLUMN(image_hash, rb_hash(line->sample->image_hash))
 FRAME_COLUMN(hits_hash, rb_hash(line->sample->hits_hash))
-FRAME_COLUMN(steady, rb_integer(line->sample->steady))
+FRAME_COLUMN(steady, line->sample->steady < 0 ? rb_none() : rb_integer(line->sample->steady))
 
 const struct rb_column rb_sample_columns[] = {
     RB_KEY_COLUMNS,
@@ -203,7 +203,7 @@ static void read_frame(const struct rb_csv *csv, size_t row, const struct rb_cel
     sample->steal_ms = rb_csv_number(csv, row, STEAL);
     sample->image_hash = word(csv, row, IMAGE, 16);
     sample->hits_hash = word(csv, row, HITS, 16);
-    sample->steady = word(csv, row, STEADY, 10) != 0;
+    sample->steady = *rb_csv_text(csv, row, STEADY) ? word(csv, row, STEADY, 10) != 0 : -1;
 }
 
 static enum rb_status read_rows(const struct rb_csv *csv, struct rb_plan *plan, int side,

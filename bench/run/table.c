@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { TABLES_MAX = 64 };
+
 // The cells of one table.
 struct view {
     const struct rb_cell *cells[256];
@@ -205,4 +207,56 @@ void rb_table_print(const struct rb_plan *plan, const struct rb_reference *refer
     print_ray_counts(reference, view.bounces);
     print_gains(&view);
     fflush(stdout);
+}
+
+// The cell of another reference that is like this one.
+static const struct rb_cell *counterpart(const struct view *view, const struct rb_cell *cell)
+{
+    for (int i = 0; i < view->count; i++) {
+        const struct rb_cell *other = view->cells[i];
+        if (other->variant == cell->variant && other->settings.threads == cell->settings.threads &&
+            (other->settings.tile == cell->settings.tile || other->group_tiles ||
+             cell->group_tiles) &&
+            rb_cell_has_time(other))
+            return other;
+    }
+    return NULL;
+}
+
+// Means of a row over all references; false if one of them lacks it.
+static bool print_means(const struct rb_plan *plan, const struct rb_cell *cell)
+{
+    double rates[TABLES_MAX], ratios[TABLES_MAX];
+    size_t count = 0, compared = 0;
+    for (int r = 0; r < plan->reference_count; r++) {
+        const struct view view = select_cells(plan, &plan->references[r], 0);
+        const struct rb_cell *here = counterpart(&view, cell);
+        if (!here)
+            return false;
+        const struct rb_cell *base = baseline_of(&view, here);
+        double frame_ns = rb_cell_frame_ns(here).value;
+        rates[count++] = here->reference->rays / frame_ns * 1e3;
+        if (base)
+            ratios[compared++] = rb_cell_frame_ns(base).value / frame_ns;
+    }
+    printf("  %-18s %7d %12.3f", cell->variant->name, cell->settings.threads,
+           rb_stats_harmonic_mean(rates, count));
+    if (compared == count)
+        printf("  %10.2f x %s", rb_stats_geometric_mean(ratios, compared), cell->variant->baseline);
+    printf("\n");
+    return true;
+}
+
+void rb_table_print_summary(const struct rb_plan *plan)
+{
+    if (plan->reference_count < 2 || plan->reference_count > TABLES_MAX)
+        return;
+    const struct view first = select_cells(plan, &plan->references[0], 0);
+    printf("\nall %d tables above\n  %-18s %7s %12s  %12s\n", plan->reference_count, "variant",
+           "threads", "Mrays/s", "speed-up");
+    for (int i = 0; i < first.count; i++)
+        if (rb_cell_has_time(first.cells[i]) && !print_means(plan, first.cells[i]))
+            printf("  %-18s %7d   not measured everywhere\n", first.cells[i]->variant->name,
+                   first.cells[i]->settings.threads);
+    printf("  Mrays/s: harmonic mean; speed-up: geometric mean\n");
 }

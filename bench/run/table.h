@@ -9,4 +9,8 @@
 void rb_table_print(const struct rb_plan *plan, const struct rb_reference *reference, int side,
                     double probe_ns);
 
+// All scenes together, to stand below their own tables: the harmonic mean of a row's Mrays/s and
+// the geometric mean of its speed-up over its baseline. Nothing unless there are several scenes.
+void rb_table_print_summary(const struct rb_plan *plan);
+
 #endif

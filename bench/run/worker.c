@@ -157,12 +157,12 @@ static void warm_up(struct worker *worker)
     struct rb_run_result result;
     double last_ns = 0, limit_s = worker->arguments->bench.slice_s * WARM_UP_SHARE;
     uint64_t begin_ns = rb_clock_ns();
-    worker->sample.steady = false;
-    while (elapsed_s(worker) < limit_s && !worker->sample.steady) {
+    while (elapsed_s(worker) < limit_s &&
+           (worker->sample.steady < 1 || rb_clock_ns() - begin_ns < WARM_UP_NS)) {
         rb_renderer_run(worker->renderer, &worker->how, &result);
         double ns = (double)result.wall_ns;
-        worker->sample.steady =
-            rb_clock_ns() - begin_ns >= WARM_UP_NS && fabs(ns - last_ns) <= STEADY * last_ns;
+        if (last_ns > 0)
+            worker->sample.steady = fabs(ns - last_ns) <= STEADY * last_ns;
         last_ns = ns;
     }
 }
@@ -283,6 +283,7 @@ static int run(const struct rb_arguments *arguments)
     if (code)
         return code;
     worker.sample.magic = RB_SAMPLE_MAGIC;
+    worker.sample.steady = -1;
     worker.sample.process = (uint32_t)arguments->bench.process;
     worker.sample.build_ns = rb_renderer_build_ns(worker.renderer);
     worker.sample.tree_bytes = rb_renderer_tree_bytes(worker.renderer);

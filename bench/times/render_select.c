@@ -1,34 +1,10 @@
 #include "bench/times/render_select.h"
 
 #include "base/memory.h"
+#include "bench/data/names.h"
 
-#include <fnmatch.h>
 #include <math.h>
 #include <string.h>
-
-enum { NAME_ROOM = 64 };
-
-// Copies the item that `list` begins with; returns the rest of the list, NULL behind the last item.
-static const char *next_item(const char *list, char item[NAME_ROOM], char separator)
-{
-    const char *end = strchr(list, separator);
-    size_t length = end ? (size_t)(end - list) : strlen(list);
-    snprintf(item, NAME_ROOM, "%.*s", length < NAME_ROOM ? (int)length : NAME_ROOM - 1, list);
-    return end ? end + 1 : NULL;
-}
-
-bool rb_render_listed(const char *list, const char *name)
-{
-    char item[NAME_ROOM];
-    if (!list)
-        return true;
-    while (list) {
-        list = next_item(list, item, ',');
-        if (fnmatch(item, name, 0) == 0)
-            return true;
-    }
-    return false;
-}
 
 static bool usable(const struct rb_variant *variant)
 {
@@ -48,7 +24,7 @@ void rb_render_available(char names[RB_AVAILABLE_ROOM])
 static bool matches_scene(const char *item)
 {
     for (const struct rb_preset *preset = rb_presets; preset->name; preset++)
-        if (fnmatch(item, preset->name, 0) == 0)
+        if (rb_name_matches(item, preset->name))
             return true;
     return false;
 }
@@ -56,7 +32,7 @@ static bool matches_scene(const char *item)
 static bool matches_variant(const char *item)
 {
     for (const struct rb_variant *variant = rb_variants; variant->name; variant++)
-        if (usable(variant) && fnmatch(item, variant->name, 0) == 0)
+        if (usable(variant) && rb_name_matches(item, variant->name))
             return true;
     return false;
 }
@@ -65,9 +41,8 @@ static bool matches_variant(const char *item)
 static enum rb_status check_list(const char *list, bool matches(const char *item), const char *what,
                                  struct rb_error *error)
 {
-    char item[NAME_ROOM];
-    while (list) {
-        list = next_item(list, item, ',');
+    char item[RB_NAME_MAX];
+    while (list && rb_names_next(&list, item)) {
         if (!matches(item))
             return rb_error_set(error, RB_INVALID, "'%s' matches no %s; see raybench list", item,
                                 what);
@@ -84,11 +59,11 @@ enum rb_status rb_render_select(const struct rb_render_selection *selection,
         check_list(selection->variants, matches_variant, "variant of this machine", error))
         return RB_INVALID;
     for (const struct rb_preset *preset = rb_presets; preset->name; preset++) {
-        if (!rb_render_listed(selection->scenes, preset->name))
+        if (!rb_names_match(selection->scenes, preset->name))
             continue;
         for (const struct rb_variant *variant = rb_variants; variant->name; variant++) {
             const struct rb_render_cell cell = {.scene = preset, .variant = variant};
-            if (!usable(variant) || !rb_render_listed(selection->variants, variant->name))
+            if (!usable(variant) || !rb_names_match(selection->variants, variant->name))
                 continue;
             if (!rb_array_push(&array, &cell, sizeof cell)) {
                 rb_array_release(&array);
@@ -117,6 +92,16 @@ static enum rb_status check_cell(const struct rb_render_table *table, const char
                         row ? "there is no time of" : "there is no row of", variant, scene);
 }
 
+// Takes the next of the words that rb_render_available has put together.
+static bool next_word(const char **words, char word[RB_NAME_MAX])
+{
+    *words += strspn(*words, " ");
+    size_t length = strcspn(*words, " ");
+    snprintf(word, RB_NAME_MAX, "%.*s", length < RB_NAME_MAX ? (int)length : RB_NAME_MAX, *words);
+    *words += length;
+    return length > 0;
+}
+
 enum rb_status rb_render_complete(const struct rb_render_selection *selection,
                                   const struct rb_render_table *table, struct rb_error *error)
 {
@@ -127,13 +112,12 @@ enum rb_status rb_render_complete(const struct rb_render_selection *selection,
             return rb_error_set(error, RB_INVALID, "this row is of another run than the first");
         }
     for (const struct rb_preset *preset = rb_presets; preset->name; preset++) {
-        char variant[NAME_ROOM];
+        char variant[RB_NAME_MAX];
         const char *rest = table->count ? table->rows[0].available : "naive";
-        if (!rb_render_listed(selection->scenes, preset->name))
+        if (!rb_names_match(selection->scenes, preset->name))
             continue;
-        while (rest) {
-            rest = next_item(rest, variant, ' ');
-            if (rb_render_listed(selection->variants, variant) &&
+        while (next_word(&rest, variant)) {
+            if (rb_names_match(selection->variants, variant) &&
                 check_cell(table, preset->name, variant, error))
                 return RB_INVALID;
         }

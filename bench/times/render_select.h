@@ -12,9 +12,6 @@ struct rb_render_selection {
     const char *scenes, *variants;
 };
 
-// Does the list have an item that matches the name?
-bool rb_render_listed(const char *list, const char *name);
-
 // The names of all variants that this machine can run and that are no aliases, by blanks.
 void rb_render_available(char names[RB_AVAILABLE_ROOM]);
 

@@ -36,11 +36,11 @@ static void remove_file(const char *name)
     remove(path);
 }
 
-static enum rb_status load(const char *text, struct rb_samples *samples)
+static enum rb_status load(const char *text, struct rb_timings *samples)
 {
     struct rb_error error = {0};
     write_file("samples.csv", text, strlen(text));
-    enum rb_status status = rb_samples_load(folder, samples, &error);
+    enum rb_status status = rb_timings_load(folder, samples, &error);
     if (status)
         note("%s:%lu:%lu: %s", error.file, error.line, error.column, error.text);
     return status;
@@ -55,54 +55,54 @@ static const char two_processes[] = HEADER
 
 static void sums_over_bounces(void)
 {
-    struct rb_samples s;
+    struct rb_timings s;
     ok(load(two_processes, &s) == RB_OK && s.cell_count == 1 && !s.unfinished, "a run is read");
-    struct rb_sample_range all = rb_samples_find(&s, 0, 2, RB_ALL_BOUNCES);
+    struct rb_timing_range all = rb_timings_find(&s, 0, 2, RB_ALL_BOUNCES);
     ok(all.count == 2 && all.first[0].ns == 30 && all.first[1].ns == 44,
        "sums are of whole repetitions, and no rays take no time");
-    struct rb_sample_range first = rb_samples_find(&s, 0, 2, 0);
+    struct rb_timing_range first = rb_timings_find(&s, 0, 2, 0);
     ok(first.count == 3 && first.first[2].process == 1 && first.first[2].ns == 50,
        "a bounce has what was measured of it");
-    struct rb_sample_range frame = rb_samples_find(&s, 0, 0, RB_ALL_BOUNCES);
+    struct rb_timing_range frame = rb_timings_find(&s, 0, 0, RB_ALL_BOUNCES);
     ok(frame.count == 2 && frame.first[1].ns == 1100, "a frame has its wall time");
-    ok(rb_samples_find(&s, 0, 3, RB_ALL_BOUNCES).count == 0 &&
-           rb_samples_find(&s, 1, 0, 0).count == 0,
+    ok(rb_timings_find(&s, 0, 3, RB_ALL_BOUNCES).count == 0 &&
+           rb_timings_find(&s, 1, 0, 0).count == 0,
        "there is nothing else");
     ok(strcmp(s.cells[0].image_hash, "ff") == 0 && !s.cells[0].images_differ, "the image is known");
-    rb_samples_free(&s);
+    rb_timings_free(&s);
     ok(load(HEADER CELL "0,0,frame,,9,1,1,ff\n" CELL "0,1,frame,,9,1,1,fe\n", &s) == RB_OK &&
            s.cells[0].images_differ,
        "an image that changes is noticed");
-    rb_samples_free(&s);
+    rb_timings_free(&s);
 }
 
 static void unfinished(void)
 {
-    struct rb_samples s;
+    struct rb_timings s;
     struct rb_error error = {0};
     const char *cut = strstr(two_processes, "900,1100");
     remove_file("samples.csv");
     write_file("samples.csv.part", two_processes, (size_t)(cut - two_processes));
-    ok(rb_samples_load(folder, &s, &error) == RB_OK && s.unfinished, "an unfinished run is read");
+    ok(rb_timings_load(folder, &s, &error) == RB_OK && s.unfinished, "an unfinished run is read");
     // The last whole line is the frame of process 0, repetition 0.
-    struct rb_sample_range all = rb_samples_find(&s, 0, 2, RB_ALL_BOUNCES);
-    ok(all.count == 1 && all.first[0].repetition == 1 && rb_samples_find(&s, 0, 0, -1).count == 0,
+    struct rb_timing_range all = rb_timings_find(&s, 0, 2, RB_ALL_BOUNCES);
+    ok(all.count == 1 && all.first[0].repetition == 1 && rb_timings_find(&s, 0, 0, -1).count == 0,
        "but for its last repetition");
-    rb_samples_free(&s);
+    rb_timings_free(&s);
     remove_file("samples.csv.part");
-    ok(rb_samples_load(folder, &s, &error) == RB_INVALID, "no samples, no run");
-    rb_samples_free(&s);
+    ok(rb_timings_load(folder, &s, &error) == RB_INVALID, "no samples, no run");
+    rb_timings_free(&s);
 }
 
 static void keys_in_order(void)
 {
-    const struct rb_cell a = {.key = {"balls", "9", "8", "2", "1", "1", "64", "bvh", "1"}};
-    struct rb_cell b = a;
+    const struct rb_timed_cell a = {.key = {"balls", "9", "8", "2", "1", "1", "64", "bvh", "1"}};
+    struct rb_timed_cell b = a;
     ok(rb_cell_compare(&a, &b, 0) == 0, "a key is itself");
-    b.key[RB_CELL_WIDTH] = "10";
+    b.key[RB_KEY_WIDTH] = "10";
     ok(rb_cell_compare(&a, &b, 0) < 0 && rb_cell_compare(&b, &a, 0) > 0, "9 comes before 10");
-    ok(rb_cell_compare(&a, &b, 1u << RB_CELL_WIDTH) == 0, "but for a column that does not count");
-    b.key[RB_CELL_WIDTH] = "1x";
+    ok(rb_cell_compare(&a, &b, 1u << RB_KEY_WIDTH) == 0, "but for a column that does not count");
+    b.key[RB_KEY_WIDTH] = "1x";
     ok(rb_cell_compare(&a, &b, 0) < 0, "numbers come before words");
     ok(rb_names_match("a*,bvh", "bvh") && rb_names_match("a*", "abc") &&
            rb_names_match(NULL, "x") && !rb_names_match("a,b", "ab") && !rb_names_match("", "x"),
@@ -125,7 +125,7 @@ static void add_frames(char *text, const char *cell, int processes, int repetiti
 static void times_of_processes(void)
 {
     static char text[ROOM];
-    struct rb_samples a, b;
+    struct rb_timings a, b;
     strcpy(text, HEADER);
     add_frames(text, CELL, 3, 20, 100);
     load(text, &a);
@@ -134,7 +134,7 @@ static void times_of_processes(void)
     load(text, &b);
     struct rb_process_times times;
     rb_process_times_make(&times, a.count, b.count);
-    struct rb_sample_range ra = rb_samples_find(&a, 0, 0, -1), rb = rb_samples_find(&b, 0, 0, -1);
+    struct rb_timing_range ra = rb_timings_find(&a, 0, 0, -1), rb = rb_timings_find(&b, 0, 0, -1);
     // A's first four of twenty are 119 to 116, B's 103 to 100.
     rb_process_times_fill(&times, ra, rb, true);
     ok(times.counts[0] == 3 && times.counts[1] == 3 && times.times[0][2] == 136 &&
@@ -148,15 +148,15 @@ static void times_of_processes(void)
     rb_process_times_fill(&times, ra, ra, false);
     ok(times.counts[0] == 3 && times.times[0][1] == 111, "the tenth percentile");
     rb_process_times_free(&times);
-    rb_samples_free(&a);
-    rb_samples_free(&b);
+    rb_timings_free(&a);
+    rb_timings_free(&b);
 }
 
 // The same, and twice, and in pairs only if asked: verdicts by hand.
 static void verdicts(void)
 {
     static char text[ROOM];
-    struct rb_samples a, b;
+    struct rb_timings a, b;
     strcpy(text, HEADER);
     add_frames(text, CELL, 8, 1, 1000);
     add_frames(text, "mount,8,8,2,1,1,64,bvh,1,", 8, 1, 1000);
@@ -198,8 +198,8 @@ static void verdicts(void)
     rb_comparison_make(alike, &options, &c, &error);
     ok(c.row_count == 3 && c.rows[0].verdict == RB_VERDICT_UNRESOLVED, "a run is like itself");
     rb_comparison_free(&c);
-    rb_samples_free(&a);
-    rb_samples_free(&b);
+    rb_timings_free(&a);
+    rb_timings_free(&b);
 }
 
 // No memory at any point, nothing left behind.
@@ -209,18 +209,18 @@ static void without_memory(void)
     enum rb_status status = RB_FAILED;
     write_file("samples.csv", two_processes, strlen(two_processes));
     for (long n = 1; status == RB_FAILED && n < 1000; n++, failures++) {
-        struct rb_samples s;
+        struct rb_timings s;
         struct rb_comparison c = {0};
         struct rb_error error = {0};
         const struct rb_compare_side sides[2] = {{&s, NULL}, {&s, NULL}};
         const struct rb_compare_options options = {.level = 0.9, .bounces = true, .paired = n % 2};
         rb_memory_fail_at(n);
-        status = rb_samples_load(folder, &s, &error);
+        status = rb_timings_load(folder, &s, &error);
         if (!status)
             status = rb_comparison_make(sides, &options, &c, &error);
         rb_memory_fail_at(0);
         rb_comparison_free(&c);
-        rb_samples_free(&s);
+        rb_timings_free(&s);
     }
     note("%ld points of failure", failures);
     ok(status == RB_OK && failures > 10 && rb_memory_live_count() == before,
@@ -231,7 +231,7 @@ static void without_memory(void)
 static void mutated(void)
 {
     char text[sizeof two_processes];
-    struct rb_samples good;
+    struct rb_timings good;
     uint64_t state = 4;
     long refused = 0;
     load(two_processes, &good);
@@ -245,22 +245,22 @@ static void mutated(void)
         }
         const char *name = i % 3 ? "samples.csv" : "samples.csv.part";
         write_file(name, text, i % 3 ? size : state % size);
-        struct rb_samples s;
+        struct rb_timings s;
         struct rb_comparison c = {0};
         struct rb_error error = {0};
         const struct rb_compare_side sides[2] = {{&good, NULL}, {&s, NULL}};
         const struct rb_compare_options options = {.level = 0.9, .bounces = true, .paired = i % 5};
-        enum rb_status status = rb_samples_load(folder, &s, &error);
+        enum rb_status status = rb_timings_load(folder, &s, &error);
         if (!status)
             status = rb_comparison_make(sides, &options, &c, &error);
         refused += status == RB_INVALID && error.file[0] && error.line && error.text[0];
         if (status == RB_FAILED)
             ok(false, "mutation %d: %s", i, error.text);
         rb_comparison_free(&c);
-        rb_samples_free(&s);
+        rb_timings_free(&s);
         remove_file(name);
     }
-    rb_samples_free(&good);
+    rb_timings_free(&good);
     ok(refused > 500 && refused < 4000, "mutated files: %ld of 4000 refused", refused);
 }
 

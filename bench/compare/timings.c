@@ -1,7 +1,7 @@
 // Every line becomes a sample; a line with a bounce becomes a second one without it, and what then
 // is equal after sorting is summed. So the sums over bounces need no table of their own.
 #define _POSIX_C_SOURCE 200809L
-#include "bench/compare/samples.h"
+#include "bench/compare/timings.h"
 
 #include "base/file.h"
 #include "base/memory.h"
@@ -13,11 +13,11 @@
 #include <string.h>
 #include <unistd.h>
 
-const char *const rb_cell_key_names[RB_CELL_KEYS] = {
+const char *const rb_cell_key_names[RB_KEY_KEYS] = {
     "scene", "width", "height", "depth", "aa", "light_samples", "tile", "variant", "threads",
 };
 
-const struct rb_sample_kernel rb_sample_kernels[RB_SAMPLE_KERNELS] = {
+const struct rb_timed_kernel rb_timed_kernels[RB_TIMED_KERNELS] = {
     {"frame", false, true},  {"generate", true, true},     {"trace", true, true},
     {"shade", true, true},   {"trace_shadow", true, true}, {"resolve", false, false},
     {"other", false, false}, {"build", false, false},
@@ -25,7 +25,7 @@ const struct rb_sample_kernel rb_sample_kernels[RB_SAMPLE_KERNELS] = {
 
 // Columns in use, by position in the file.
 struct columns {
-    int key[RB_CELL_KEYS];
+    int key[RB_KEY_KEYS];
     int process, repetition, kernel, bounce, rays, ns, wall_ns, image_hash;
 };
 
@@ -52,17 +52,17 @@ static enum rb_status find_columns(const struct rb_csv *csv, struct columns *col
         {"wall_ns", &columns->wall_ns}, {"image_hash", &columns->image_hash},
     };
     enum rb_status status = RB_OK;
-    for (int i = 0; i < RB_CELL_KEYS && !status; i++)
+    for (int i = 0; i < RB_KEY_KEYS && !status; i++)
         status = find_column(csv, rb_cell_key_names[i], &columns->key[i], error);
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted && !status; i++)
         status = find_column(csv, wanted[i].name, wanted[i].column, error);
     return status;
 }
 
-static bool is_cell(const struct rb_cell *cell, const struct rb_csv *csv, size_t row,
+static bool is_cell(const struct rb_timed_cell *cell, const struct rb_csv *csv, size_t row,
                     const struct columns *columns)
 {
-    for (int i = 0; i < RB_CELL_KEYS; i++)
+    for (int i = 0; i < RB_KEY_KEYS; i++)
         if (strcmp(cell->key[i], rb_csv_text(csv, row, columns->key[i])) != 0)
             return false;
     return true;
@@ -72,14 +72,14 @@ static bool is_cell(const struct rb_cell *cell, const struct rb_csv *csv, size_t
 static enum rb_status find_cell(struct rb_array *cells, const struct rb_csv *csv, size_t row,
                                 const struct columns *columns, size_t *cell, struct rb_error *error)
 {
-    const struct rb_cell *known = cells->data;
+    const struct rb_timed_cell *known = cells->data;
     if (*cell < cells->count && is_cell(&known[*cell], csv, row, columns))
         return RB_OK;
     for (*cell = 0; *cell < cells->count; ++*cell)
         if (is_cell(&known[*cell], csv, row, columns))
             return RB_OK;
-    struct rb_cell added = {.image_hash = ""};
-    for (int i = 0; i < RB_CELL_KEYS; i++)
+    struct rb_timed_cell added = {.image_hash = ""};
+    for (int i = 0; i < RB_KEY_KEYS; i++)
         added.key[i] = rb_csv_text(csv, row, columns->key[i]);
     if (cells->count == RB_CELLS_MAX) {
         rb_csv_place(csv, row, -1, error);
@@ -123,21 +123,21 @@ static enum rb_status read_bounce(const struct rb_csv *csv, size_t row, int colu
 }
 
 static enum rb_status read_sample(const struct rb_csv *csv, size_t row,
-                                  const struct columns *columns, struct rb_sample *sample,
+                                  const struct columns *columns, struct rb_timing *sample,
                                   struct rb_error *error)
 {
-    *sample = (struct rb_sample){.row = row, .parts = 1};
+    *sample = (struct rb_timing){.row = row, .parts = 1};
     const char *name = rb_csv_text(csv, row, columns->kernel);
-    while (sample->kernel < RB_SAMPLE_KERNELS &&
-           strcmp(rb_sample_kernels[sample->kernel].name, name) != 0)
+    while (sample->kernel < RB_TIMED_KERNELS &&
+           strcmp(rb_timed_kernels[sample->kernel].name, name) != 0)
         sample->kernel++;
-    if (sample->kernel == RB_SAMPLE_KERNELS)
+    if (sample->kernel == RB_TIMED_KERNELS)
         return refuse(csv, row, columns->kernel, "the name of a kernel", error);
     if (!rb_csv_word(csv, row, columns->process, &sample->process, 10))
         return refuse(csv, row, columns->process, "the number of a process", error);
     if (!rb_csv_word(csv, row, columns->repetition, &sample->repetition, 10))
         return refuse(csv, row, columns->repetition, "the number of a repetition", error);
-    bool has_bounces = rb_sample_kernels[sample->kernel].has_bounces;
+    bool has_bounces = rb_timed_kernels[sample->kernel].has_bounces;
     enum rb_status status =
         read_bounce(csv, row, columns->bounce, has_bounces, &sample->bounce, error);
     if (status)
@@ -146,7 +146,7 @@ static enum rb_status read_sample(const struct rb_csv *csv, size_t row,
     return read_time(csv, row, time, columns->rays, &sample->ns, error);
 }
 
-static void note_image(struct rb_cell *cell, const char *hash)
+static void note_image(struct rb_timed_cell *cell, const char *hash)
 {
     if (cell->image_hash[0] == '\0')
         cell->image_hash = hash;
@@ -161,14 +161,15 @@ static enum rb_status read_rows(const struct rb_csv *csv, struct rb_array *cells
     enum rb_status status = find_columns(csv, &columns, error);
     size_t cell = 0;
     for (size_t row = 0; row < csv->row_count && !status; row++) {
-        struct rb_sample sample;
+        struct rb_timing sample;
         status = read_sample(csv, row, &columns, &sample, error);
         if (!status)
             status = find_cell(cells, csv, row, &columns, &cell, error);
         if (status)
             break;
         sample.cell = (uint32_t)cell;
-        note_image((struct rb_cell *)cells->data + cell, rb_csv_text(csv, row, columns.image_hash));
+        note_image((struct rb_timed_cell *)cells->data + cell,
+                   rb_csv_text(csv, row, columns.image_hash));
         bool pushed = rb_array_push(list, &sample, sizeof sample);
         if (pushed && sample.bounce != RB_ALL_BOUNCES) {
             sample.bounce = RB_ALL_BOUNCES;
@@ -184,7 +185,7 @@ static int order(uint64_t a, uint64_t b)
     return (a > b) - (a < b);
 }
 
-static int compare_series(const struct rb_sample *a, const struct rb_sample *b)
+static int compare_series(const struct rb_timing *a, const struct rb_timing *b)
 {
     int by = order(a->cell, b->cell);
     by = by ? by : a->kernel - b->kernel;
@@ -193,7 +194,7 @@ static int compare_series(const struct rb_sample *a, const struct rb_sample *b)
 
 static int compare_samples(const void *left, const void *right)
 {
-    const struct rb_sample *a = left, *b = right;
+    const struct rb_timing *a = left, *b = right;
     int by = compare_series(a, b);
     by = by ? by : order(a->process, b->process);
     return by ? by : order(a->repetition, b->repetition);
@@ -201,16 +202,16 @@ static int compare_samples(const void *left, const void *right)
 
 // Sums what is the same but for the bounce. The same bounce twice is a mistake: it would count
 // double, or, in two runs poured into one file, mix processes that have nothing in common.
-static enum rb_status sum_bounces(struct rb_samples *samples, struct rb_error *error)
+static enum rb_status sum_bounces(struct rb_timings *samples, struct rb_error *error)
 {
     size_t kept = 0;
     for (size_t i = 0; i < samples->count; i++) {
-        const struct rb_sample *sample = &samples->list[i];
-        struct rb_sample *last = kept ? &samples->list[kept - 1] : NULL;
+        const struct rb_timing *sample = &samples->list[i];
+        struct rb_timing *last = kept ? &samples->list[kept - 1] : NULL;
         if (!last || compare_samples(last, sample) != 0) {
             samples->list[kept++] = *sample;
         } else if (sample->bounce == RB_ALL_BOUNCES &&
-                   rb_sample_kernels[sample->kernel].has_bounces) {
+                   rb_timed_kernels[sample->kernel].has_bounces) {
             last->ns += sample->ns;
             last->parts++;
         } else {
@@ -225,7 +226,7 @@ static enum rb_status sum_bounces(struct rb_samples *samples, struct rb_error *e
     return RB_OK;
 }
 
-static size_t series_end(const struct rb_samples *samples, size_t from)
+static size_t series_end(const struct rb_timings *samples, size_t from)
 {
     size_t end = from;
     while (end < samples->count && !compare_series(&samples->list[from], &samples->list[end]))
@@ -235,7 +236,7 @@ static size_t series_end(const struct rb_samples *samples, size_t from)
 
 // Drops what was not measured, sums that lack bounces, and of a run that has not ended the
 // repetition of the last line, `doubtful`: nothing tells whether it was whole.
-static void drop_incomplete(struct rb_samples *samples, const struct rb_sample *doubtful)
+static void drop_incomplete(struct rb_timings *samples, const struct rb_timing *doubtful)
 {
     size_t kept = 0;
     for (size_t from = 0, end; from < samples->count; from = end) {
@@ -244,7 +245,7 @@ static void drop_incomplete(struct rb_samples *samples, const struct rb_sample *
         for (size_t i = from; i < end; i++)
             parts = samples->list[i].parts > parts ? samples->list[i].parts : parts;
         for (size_t i = from; i < end; i++) {
-            const struct rb_sample *sample = &samples->list[i];
+            const struct rb_timing *sample = &samples->list[i];
             bool doubted = doubtful && sample->cell == doubtful->cell &&
                            sample->process == doubtful->process &&
                            sample->repetition == doubtful->repetition;
@@ -255,7 +256,7 @@ static void drop_incomplete(struct rb_samples *samples, const struct rb_sample *
     samples->count = kept;
 }
 
-static enum rb_status load_csv(const char *folder, struct rb_samples *samples,
+static enum rb_status load_csv(const char *folder, struct rb_timings *samples,
                                struct rb_error *error)
 {
     char path[RB_OUTPUT_PATH_MAX];
@@ -273,10 +274,10 @@ static enum rb_status load_csv(const char *folder, struct rb_samples *samples,
                         "not the folder of a run");
 }
 
-enum rb_status rb_samples_load(const char *folder, struct rb_samples *samples,
+enum rb_status rb_timings_load(const char *folder, struct rb_timings *samples,
                                struct rb_error *error)
 {
-    *samples = (struct rb_samples){0};
+    *samples = (struct rb_timings){0};
     struct rb_array cells = {0}, list = {0};
     enum rb_status status = load_csv(folder, samples, error);
     if (!status && samples->csv.column_count)
@@ -289,7 +290,7 @@ enum rb_status rb_samples_load(const char *folder, struct rb_samples *samples,
         return status;
     if (list.count == 0)
         return RB_OK;
-    struct rb_sample last = samples->list[list.count - 1];
+    struct rb_timing last = samples->list[list.count - 1];
     qsort(list.data, list.count, sizeof *samples->list, compare_samples);
     status = sum_bounces(samples, error);
     if (!status)
@@ -297,18 +298,18 @@ enum rb_status rb_samples_load(const char *folder, struct rb_samples *samples,
     return status;
 }
 
-void rb_samples_free(struct rb_samples *samples)
+void rb_timings_free(struct rb_timings *samples)
 {
     rb_csv_free(&samples->csv);
     rb_free(samples->cells);
     rb_free(samples->list);
-    *samples = (struct rb_samples){0};
+    *samples = (struct rb_timings){0};
 }
 
-struct rb_sample_range rb_samples_find(const struct rb_samples *samples, size_t cell, int kernel,
+struct rb_timing_range rb_timings_find(const struct rb_timings *samples, size_t cell, int kernel,
                                        int bounce)
 {
-    struct rb_sample wanted = {
+    struct rb_timing wanted = {
         .cell = (uint32_t)cell, .kernel = (int16_t)kernel, .bounce = (int16_t)bounce};
     size_t low = 0, high = samples->count;
     while (low < high) {
@@ -318,7 +319,7 @@ struct rb_sample_range rb_samples_find(const struct rb_samples *samples, size_t 
         else
             high = middle;
     }
-    struct rb_sample_range range = {samples->list + low, 0};
+    struct rb_timing_range range = {samples->list + low, 0};
     while (low + range.count < samples->count &&
            !compare_series(&range.first[range.count], &wanted))
         range.count++;
@@ -334,10 +335,10 @@ static int compare_texts(const char *a, const char *b)
     return by ? by : strcmp(a, b);
 }
 
-int rb_cell_compare(const struct rb_cell *a, const struct rb_cell *b, unsigned skip)
+int rb_cell_compare(const struct rb_timed_cell *a, const struct rb_timed_cell *b, unsigned skip)
 {
     int by = 0;
-    for (int i = 0; i < RB_CELL_KEYS && !by; i++)
+    for (int i = 0; i < RB_KEY_KEYS && !by; i++)
         by = skip >> i & 1 ? 0 : compare_texts(a->key[i], b->key[i]);
     return by;
 }
