@@ -65,8 +65,8 @@ static void check_selection(void)
     ok(rb_render_select(&alias, &cells, &count, &error) == RB_INVALID &&
            strstr(error.text, "'packet'"),
        "an alias is no row");
-    struct rb_render_selection none = {"balls_low,", NULL};
-    ok(rb_render_select(&none, &cells, &count, &error) == RB_INVALID, "an empty item");
+    struct rb_render_selection none = {"balls_low,nix", NULL};
+    ok(rb_render_select(&none, &cells, &count, &error) == RB_INVALID, "an unknown scene");
     char available[RB_AVAILABLE_ROOM];
     rb_render_available(available);
     ok(strncmp(available, "naive ", 6) == 0 && !strstr(available, "packet "),
