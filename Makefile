@@ -78,7 +78,7 @@ table: all
 selftest: all
 	@RAYBENCH=$(B)/raybench scripts/selftest
 
-## overhead: what probes cost, against a build without them; two minutes
+## overhead: what probes cost, against a build without them; three minutes
 overhead: all
 	@RAYBENCH=$(B)/raybench scripts/overhead
 

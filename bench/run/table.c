@@ -47,9 +47,9 @@ static const struct rb_cell *baseline_of(const struct view *view, const struct r
 }
 
 // Four digits, but no exponent.
-static const char *format_ms(double ns, char text[24])
+static const char *format(double value, char text[24])
 {
-    snprintf(text, 24, ns >= 1e9 ? "%.0f" : "%.4g", ns * 1e-6);
+    snprintf(text, 24, value >= 1000 ? "%.0f" : "%.4g", value);
     return text;
 }
 
@@ -66,10 +66,10 @@ static void print_frame(const struct view *view, const struct rb_cell *cell, dou
     }
     struct rb_figure frame = rb_cell_frame_ns(cell);
     if (isfinite(frame.low))
-        snprintf(interval, sizeof interval, "%s to %s", format_ms(frame.low, low),
-                 format_ms(frame.high, high));
+        snprintf(interval, sizeof interval, "%s to %s", format(frame.low * 1e-6, low),
+                 format(frame.high * 1e-6, high));
     printf("%7d %4d %10s  %-22s %8.3f", cell->settings.threads, cell->settings.tile,
-           format_ms(frame.value, value), interval, cell->reference->rays / frame.value * 1e3);
+           format(frame.value * 1e-6, value), interval, cell->reference->rays / frame.value * 1e3);
     if (base)
         printf("  %8.2f x %-16s", rb_cell_frame_ns(base).value / frame.value, base->variant->name);
     else
@@ -94,10 +94,11 @@ static void print_hot_spot(const struct rb_cell *cell, int bounces)
         }
     if (!most.kernel)
         return;
-    printf("  %-18s %s at bounce %d: %.0f %% of the time, %.4g ns per ray", cell->variant->name,
-           most.kernel, most.bounce, 100.0 * most.share, most.per_ray.value);
+    char value[24], low[24], high[24];
+    printf("  %-18s %s at bounce %d: %.0f %% of the time, %s ns per ray", cell->variant->name,
+           most.kernel, most.bounce, 100.0 * most.share, format(most.per_ray.value, value));
     if (isfinite(most.per_ray.low))
-        printf(" (%.4g to %.4g)", most.per_ray.low, most.per_ray.high);
+        printf(" (%s to %s)", format(most.per_ray.low, low), format(most.per_ray.high, high));
     if (second.kernel)
         printf("; then %s at bounce %d: %.0f %%", second.kernel, second.bounce,
                100.0 * second.share);
