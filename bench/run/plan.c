@@ -12,6 +12,11 @@ static const char defaults[] = "# what is measured when nothing is said\n"
                                "scenes = *\n"
                                "variants = naive,bvh,bvh+omp,packet,packet+omp,fastest\n";
 
+// Kernels are compared where nothing but kernels differs.
+static const char defaults_against[] = "# what is measured against another program\n"
+                                       "scenes = *\n"
+                                       "variants = bvh,packet\n";
+
 enum { PATH_MAX_LENGTH = 1024 };
 
 // Finds plan NAME: a path that ends in .plan, or one of those that come with the program, in the
@@ -97,7 +102,7 @@ enum rb_status rb_plan_compose(const struct rb_arguments *given, struct rb_plan 
     if (plan_named)
         status = copy_file(path, text, error);
     else
-        fputs(defaults, text);
+        fputs(given->bench.against ? defaults_against : defaults, text);
     snprintf(plan->file, sizeof plan->file, "%.255s", plan_named ? path : "");
     if (status == RB_OK)
         status = put_lines(given, plan_named, text, error);

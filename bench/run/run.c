@@ -15,8 +15,9 @@
 #include <string.h>
 #include <unistd.h>
 
-// The least number of processes with a 95 % interval of their median (order statistics).
-enum { PROCESSES_DEFAULT = 6, CPUS_MAX = 1024 };
+// The least number of processes with a 95 % interval of their median (order statistics); and pairs
+// enough for verdicts that hold for dozens of rows at once with 99 %.
+enum { PROCESSES_DEFAULT = 6, PAIRS_DEFAULT = 16, CPUS_MAX = 1024 };
 
 // A unit is a cell, or with two programs the cell of each.
 static struct rb_cell *cell_of(const struct rb_run *run, int unit, int side)
@@ -27,7 +28,8 @@ static struct rb_cell *cell_of(const struct rb_run *run, int unit, int side)
 int rb_run_processes(const struct rb_run *run)
 {
     int asked = run->plan->arguments.bench.processes;
-    return asked ? asked : PROCESSES_DEFAULT;
+    int fallback = run->side_count == 2 ? PAIRS_DEFAULT : PROCESSES_DEFAULT;
+    return asked ? asked : fallback;
 }
 
 static bool is_open(const struct rb_run *run, int unit)
