@@ -58,14 +58,17 @@ check 'stages add up to the frame' awk -F, -v ns="$(column "$samples" ns)" \
         all += sum; walls += $wall; sum = 0
     }
     END { exit !(frames > 10 && !worst && all / walls > 0.99) }' "$samples"
-# Of each row's quietest repetition: a preemption may fall anywhere.
-check 'other is under 3 %' awk -F, -v ns="$(column "$samples" ns)" '
+# Of each row's quietest repetition: a preemption may fall anywhere. Sanitizers, whose checks set
+# TEST_SLOW=0, slow moving rays down more than tracing them.
+limit=0.03
+[ "${TEST_SLOW:-1}" = 1 ] || limit=0.1
+check "other is under $limit of the frame" awk -F, -v limit=$limit -v ns="$(column "$samples" ns)" '
     $12 == "other" { other = $ns }
     $12 == "frame" && NR > 1 {
         key = $1 $8; share = other / $ns
         if (!(key in least) || share < least[key]) least[key] = share
     }
-    END { for (k in least) { n++; bad += least[k] > 0.03 } exit !(n == 6 && !bad) }' "$samples"
+    END { for (k in least) { n++; bad += least[k] > limit } exit !(n == 6 && !bad) }' "$samples"
 share=$(column "$csv" share_pct)
 check 'shares add up to 100 %' awk -F, -v share="$share" '
     NR > 1 { sum[$1 $8] += $share }
