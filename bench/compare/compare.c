@@ -110,7 +110,7 @@ static enum rb_status check_same_machine(const struct rb_compare_run *a,
 }
 
 // Does any cell of the sides have this text, or match this glob, in a column of its key?
-static bool has_key(const struct rb_compare_side sides[2], enum rb_cell_key key, const char *text)
+static bool has_key(const struct rb_compare_side sides[2], enum rb_key key, const char *text)
 {
     bool found = false;
     for (int s = 0; s < 2; s++)
@@ -119,7 +119,7 @@ static bool has_key(const struct rb_compare_side sides[2], enum rb_cell_key key,
     return found;
 }
 
-static enum rb_status refuse_name(const struct rb_compare_side sides[2], enum rb_cell_key key,
+static enum rb_status refuse_name(const struct rb_compare_side sides[2], enum rb_key key,
                                   const char *name, struct rb_error *error)
 {
     struct rb_suggestion suggestion = {.typed = name, .length = strlen(name)};
@@ -131,7 +131,7 @@ static enum rb_status refuse_name(const struct rb_compare_side sides[2], enum rb
                 rb_suggestion_offer(&suggestion, word);
         }
     }
-    return rb_error_set(error, RB_INVALID, "no samples of the %s '%.80s'%s", rb_cell_key_names[key],
+    return rb_error_set(error, RB_INVALID, "no samples of the %s '%.80s'%s", rb_key_names[key],
                         name, rb_suggestion_text(&suggestion, nearest));
 }
 

@@ -45,16 +45,16 @@ static void put_family(struct rb_json *json, const char *key,
 // Numbers as numbers; members of the object that is open.
 static void put_key(struct rb_json *json, const struct rb_timed_cell *cell, unsigned skip)
 {
-    for (int i = 0; i < RB_KEY_KEYS; i++) {
+    for (int i = 0; i < RB_KEY_CELL; i++) {
         const char *text = cell->key[i];
         bool number = i != RB_KEY_SCENE && i != RB_KEY_VARIANT && text[0] &&
                       strspn(text, "0123456789") == strlen(text) && strlen(text) < 10;
         if (skip >> i & 1)
             continue;
         if (number)
-            rb_json_integer(json, rb_cell_key_names[i], strtol(text, NULL, 10));
+            rb_json_integer(json, rb_key_names[i], strtol(text, NULL, 10));
         else
-            rb_json_string(json, rb_cell_key_names[i], text);
+            rb_json_string(json, rb_key_names[i], text);
     }
 }
 

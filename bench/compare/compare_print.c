@@ -6,7 +6,7 @@
 
 // How a column of the key is put in words; one that has its usual value goes without saying.
 static const struct {
-    enum rb_cell_key key;
+    enum rb_key key;
     const char *before, *after, *usual;
 } label_parts[] = {
     {RB_KEY_SCENE, "", "", ""},

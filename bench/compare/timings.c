@@ -13,10 +13,6 @@
 #include <string.h>
 #include <unistd.h>
 
-const char *const rb_cell_key_names[RB_KEY_KEYS] = {
-    "scene", "width", "height", "depth", "aa", "light_samples", "tile", "variant", "threads",
-};
-
 const struct rb_timed_kernel rb_timed_kernels[RB_TIMED_KERNELS] = {
     {"frame", false, true},  {"generate", true, true},     {"trace", true, true},
     {"shade", true, true},   {"trace_shadow", true, true}, {"resolve", false, false},
@@ -25,7 +21,7 @@ const struct rb_timed_kernel rb_timed_kernels[RB_TIMED_KERNELS] = {
 
 // Columns in use, by position in the file.
 struct columns {
-    int key[RB_KEY_KEYS];
+    int key[RB_KEY_CELL];
     int process, repetition, kernel, bounce, rays, ns, wall_ns, image_hash;
 };
 
@@ -52,8 +48,8 @@ static enum rb_status find_columns(const struct rb_csv *csv, struct columns *col
         {"wall_ns", &columns->wall_ns}, {"image_hash", &columns->image_hash},
     };
     enum rb_status status = RB_OK;
-    for (int i = 0; i < RB_KEY_KEYS && !status; i++)
-        status = find_column(csv, rb_cell_key_names[i], &columns->key[i], error);
+    for (int i = 0; i < RB_KEY_CELL && !status; i++)
+        status = find_column(csv, rb_key_names[i], &columns->key[i], error);
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted && !status; i++)
         status = find_column(csv, wanted[i].name, wanted[i].column, error);
     return status;
@@ -62,7 +58,7 @@ static enum rb_status find_columns(const struct rb_csv *csv, struct columns *col
 static bool is_cell(const struct rb_timed_cell *cell, const struct rb_csv *csv, size_t row,
                     const struct columns *columns)
 {
-    for (int i = 0; i < RB_KEY_KEYS; i++)
+    for (int i = 0; i < RB_KEY_CELL; i++)
         if (strcmp(cell->key[i], rb_csv_text(csv, row, columns->key[i])) != 0)
             return false;
     return true;
@@ -79,7 +75,7 @@ static enum rb_status find_cell(struct rb_array *cells, const struct rb_csv *csv
         if (is_cell(&known[*cell], csv, row, columns))
             return RB_OK;
     struct rb_timed_cell added = {.image_hash = ""};
-    for (int i = 0; i < RB_KEY_KEYS; i++)
+    for (int i = 0; i < RB_KEY_CELL; i++)
         added.key[i] = rb_csv_text(csv, row, columns->key[i]);
     if (cells->count == RB_CELLS_MAX) {
         rb_csv_place(csv, row, -1, error);
@@ -338,7 +334,7 @@ static int compare_texts(const char *a, const char *b)
 int rb_cell_compare(const struct rb_timed_cell *a, const struct rb_timed_cell *b, unsigned skip)
 {
     int by = 0;
-    for (int i = 0; i < RB_KEY_KEYS && !by; i++)
+    for (int i = 0; i < RB_KEY_CELL && !by; i++)
         by = skip >> i & 1 ? 0 : compare_texts(a->key[i], b->key[i]);
     return by;
 }

@@ -4,25 +4,11 @@
 #define RB_COMPARE_TIMINGS_H
 
 #include "bench/data/csv_read.h"
+#include "bench/data/key.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-// The columns that make up the key of a cell, in the order of the file.
-enum rb_cell_key {
-    RB_KEY_SCENE,
-    RB_KEY_WIDTH,
-    RB_KEY_HEIGHT,
-    RB_KEY_DEPTH,
-    RB_KEY_AA,
-    RB_KEY_LIGHT_SAMPLES,
-    RB_KEY_TILE,
-    RB_KEY_VARIANT,
-    RB_KEY_THREADS,
-    RB_KEY_KEYS,
-};
-extern const char *const rb_cell_key_names[RB_KEY_KEYS];
 
 enum { RB_CELLS_MAX = 4096, RB_TIMED_KERNELS = 8, RB_ALL_BOUNCES = -1 };
 
@@ -34,7 +20,7 @@ struct rb_timed_kernel {
 extern const struct rb_timed_kernel rb_timed_kernels[RB_TIMED_KERNELS];
 
 struct rb_timed_cell {
-    const char *key[RB_KEY_KEYS]; // texts, in the table of the samples
+    const char *key[RB_KEY_CELL]; // texts, in the table of the samples
     const char *image_hash;       // "" where none was recorded
     bool images_differ;           // among its own repetitions
 };

@@ -1,32 +1,16 @@
 // `raybench export`: a result folder in the formats that other tools read. Each format is one file
-// bench/export_NAME.c and one row in the table of bench/export/export.c.
+// bench/export/export_NAME.c and one row in the table of bench/export/export.c.
 #ifndef RB_EXPORT_EXPORT_H
 #define RB_EXPORT_EXPORT_H
 
 #include "base/memory.h"
 #include "bench/data/csv_read.h"
+#include "bench/data/key.h"
 #include "cli/options.h"
 
 #include <stdio.h>
 
 extern const struct rb_command rb_command_export;
-
-// The columns that name what was measured: a cell up to the threads, then the part of it.
-enum rb_export_key {
-    RB_KEY_SCENE,
-    RB_KEY_WIDTH,
-    RB_KEY_HEIGHT,
-    RB_KEY_DEPTH,
-    RB_KEY_AA,
-    RB_KEY_LIGHT_SAMPLES,
-    RB_KEY_TILE,
-    RB_KEY_VARIANT,
-    RB_KEY_THREADS,
-    RB_KEY_CELL, // so many name a cell
-    RB_KEY_KERNEL = RB_KEY_CELL,
-    RB_KEY_BOUNCE,
-    RB_KEY_COUNT,
-};
 
 // One frame, or its part in a kernel and bounce.
 struct rb_export_sample {

@@ -10,7 +10,7 @@ static void put_parameters(struct rb_json *json, const struct rb_export_series *
 {
     rb_json_object(json, "parameters");
     for (int i = 0; i < RB_KEY_CELL; i++)
-        rb_json_string(json, rb_export_key_names[i], series->key[i]);
+        rb_json_string(json, rb_key_names[i], series->key[i]);
     rb_json_end_object(json);
 }
 

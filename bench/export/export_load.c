@@ -12,11 +12,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char *const rb_export_key_names[RB_KEY_COUNT] = {
-    "scene", "width",   "height",  "depth",  "aa",     "light_samples",
-    "tile",  "variant", "threads", "kernel", "bounce",
-};
-
 enum rb_status rb_export_columns(const struct rb_csv *csv, const char *const *names, size_t count,
                                  int *columns, struct rb_error *error)
 {
@@ -55,7 +50,7 @@ enum rb_status rb_export_check_key(const struct rb_csv *csv, size_t row, const i
         if (!word && rb_csv_word(csv, row, columns[i], &value, 10) && value <= INT32_MAX)
             continue;
         rb_csv_place(csv, row, columns[i], error);
-        return rb_error_set(error, RB_INVALID, "%s: expected %s", rb_export_key_names[i],
+        return rb_error_set(error, RB_INVALID, "%s: expected %s", rb_key_names[i],
                             word ? "a name" : "a whole number");
     }
     return RB_OK;
@@ -119,7 +114,7 @@ static enum rb_status find_table(const struct rb_csv *csv, const char *const *ti
     static const char *const remarks[] = {"flags", "note"};
     table->key_count = key_count;
     table->time_count = times[1] ? 2 : 1;
-    if (rb_export_columns(csv, rb_export_key_names, key_count, table->key, error) ||
+    if (rb_export_columns(csv, rb_key_names, key_count, table->key, error) ||
         rb_export_columns(csv, times, table->time_count, table->time, error) ||
         rb_export_columns(csv, remarks, 2, table->remark, error))
         return RB_INVALID;

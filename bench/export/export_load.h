@@ -4,8 +4,6 @@
 
 #include "bench/export/export.h"
 
-extern const char *const rb_export_key_names[RB_KEY_COUNT];
-
 // Where the columns of a table are.
 struct rb_export_table {
     int key[RB_KEY_COUNT], time[2];

@@ -99,7 +99,7 @@ static void put_frame(const struct tables *t, const struct rb_export_series *fir
     put_speed_up(t, first, frame);
 }
 
-static const char *kernel_text(const struct tables *t, size_t row, enum rb_export_key key)
+static const char *kernel_text(const struct tables *t, size_t row, enum rb_key key)
 {
     return rb_csv_text(&t->result->kernels, row, t->key[key]);
 }
@@ -115,7 +115,7 @@ static int bounce_of(const struct tables *t, size_t row)
 static bool is_of(const struct tables *t, size_t row, const struct rb_export_series *frame)
 {
     for (int i = 0; i < RB_KEY_CELL; i++)
-        if (strcmp(kernel_text(t, row, (enum rb_export_key)i), frame->key[i]) != 0)
+        if (strcmp(kernel_text(t, row, (enum rb_key)i), frame->key[i]) != 0)
             return false;
     return kernel_text(t, row, RB_KEY_BOUNCE)[0] != '\0';
 }
@@ -193,7 +193,7 @@ static void put_scene(const struct tables *t, const struct rb_export_series *fir
     for (size_t row = 0; row < t->result->kernels.row_count; row++) {
         const char *key[RB_KEY_TILE];
         for (int i = 0; i < RB_KEY_TILE; i++)
-            key[i] = kernel_text(t, row, (enum rb_export_key)i);
+            key[i] = kernel_text(t, row, (enum rb_key)i);
         int bounce = kernel_text(t, row, RB_KEY_BOUNCE)[0] ? bounce_of(t, row) : -1;
         if (bounce >= bounces && bounce < RB_DEPTH_MAX && same_scene(key, first->key))
             bounces = bounce + 1;
@@ -218,7 +218,7 @@ enum rb_status rb_export_markdown(const struct rb_export *result, FILE *out, str
     const struct rb_csv *kernels = &result->kernels;
     if (rb_export_columns(&result->frames, frame_names, FRAME_COLUMNS, t.frame, error) ||
         rb_export_columns(kernels, kernel_names, KERNEL_COLUMNS, t.kernel, error) ||
-        rb_export_columns(kernels, rb_export_key_names, RB_KEY_COUNT, t.key, error))
+        rb_export_columns(kernels, rb_key_names, RB_KEY_COUNT, t.key, error))
         return RB_INVALID;
     const struct rb_export_series *series = result->series.data;
     for (size_t i = 0; i < result->series.count; i++) {

@@ -112,7 +112,7 @@ static enum rb_status take(struct taking *t, struct rb_error *error)
 {
     static const char *const names[] = {"process", "repetition", "rays", "ns", "wall_ns"};
     const struct rb_csv *csv = &t->result->samples;
-    if (rb_export_columns(csv, rb_export_key_names, RB_KEY_COUNT, t->key, error) ||
+    if (rb_export_columns(csv, rb_key_names, RB_KEY_COUNT, t->key, error) ||
         rb_export_columns(csv, names, COLUMN_COUNT, t->column, error))
         return RB_INVALID;
     t->build_ns = rb_csv_column(csv, "build_ns");

@@ -53,6 +53,9 @@ const char *rb_cell_note(const struct rb_cell *cell)
                                                        : notes[cell->state];
 }
 
+// What a figure is about: a number per sample; NaN if it has none.
+typedef double measure_fn(const struct rb_sample *sample, const void *what);
+
 static const struct rb_figure nothing = {
     (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, 0, 0,
 };
@@ -74,8 +77,8 @@ static size_t process_medians(const struct rb_cell *cell, const double *values, 
     return count;
 }
 
-struct rb_figure rb_cell_figure(const struct rb_cell *cell, rb_measure_fn *measure,
-                                const void *what)
+// Of groups of tiles only min, p10 and the counts are filled.
+static struct rb_figure figure_of(const struct rb_cell *cell, measure_fn *measure, const void *what)
 {
     struct rb_figure figure = nothing;
     size_t count = cell->sample_count;
@@ -103,7 +106,7 @@ struct rb_figure rb_cell_figure(const struct rb_cell *cell, rb_measure_fn *measu
 }
 
 // From groups of tiles: the ratio of what `top` and `bottom` measure, times `scale`.
-static void estimate_ratio(const struct rb_cell *cell, rb_measure_fn *top, rb_measure_fn *bottom,
+static void estimate_ratio(const struct rb_cell *cell, measure_fn *top, measure_fn *bottom,
                            const void *what, double scale, struct rb_figure *figure)
 {
     size_t count = cell->sample_count;
@@ -181,10 +184,10 @@ static double imbalance(const struct rb_sample *sample, const void *what)
     return sample->busy_max_ns ? 1.0 - mean / (double)sample->busy_max_ns : (double)NAN;
 }
 
-static struct rb_figure whole_frame(const struct rb_cell *cell, rb_measure_fn *measure,
+static struct rb_figure whole_frame(const struct rb_cell *cell, measure_fn *measure,
                                     const void *what)
 {
-    struct rb_figure figure = rb_cell_figure(cell, measure, what);
+    struct rb_figure figure = figure_of(cell, measure, what);
     if (figure.n && cell->group_tiles) {
         estimate_ratio(cell, measure, all_rays, what, cell->reference->rays, &figure);
         figure.min = figure.p10 = (double)NAN; // of groups that are not the same
@@ -195,7 +198,7 @@ static struct rb_figure whole_frame(const struct rb_cell *cell, rb_measure_fn *m
 struct rb_figure rb_cell_ns_per_ray(const struct rb_cell *cell, enum rb_stage stage, int bounce)
 {
     const struct place place = {stage, bounce};
-    struct rb_figure figure = rb_cell_figure(cell, place_ns_per_ray, &place);
+    struct rb_figure figure = figure_of(cell, place_ns_per_ray, &place);
     if (rb_cell_has_time(cell) && cell->group_tiles)
         estimate_ratio(cell, place_ns, place_rays, &place, 1.0, &figure);
     return figure;
@@ -208,7 +211,7 @@ struct rb_figure rb_cell_frame_ns(const struct rb_cell *cell)
 
 struct rb_figure rb_cell_build_ns(const struct rb_cell *cell)
 {
-    return rb_cell_figure(cell, build_ns, NULL);
+    return figure_of(cell, build_ns, NULL);
 }
 
 double rb_cell_busy_ns(const struct rb_cell *cell)
@@ -230,7 +233,7 @@ double rb_cell_share(const struct rb_cell *cell, enum rb_stage stage, int bounce
 
 double rb_cell_imbalance(const struct rb_cell *cell)
 {
-    return cell->group_tiles ? (double)NAN : rb_cell_figure(cell, imbalance, NULL).value;
+    return cell->group_tiles ? (double)NAN : figure_of(cell, imbalance, NULL).value;
 }
 
 double rb_cell_overhead(const struct rb_cell *cell, double probe_ns)

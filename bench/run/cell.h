@@ -54,13 +54,6 @@ struct rb_figure {
     size_t repetitions; // in all of them
 };
 
-// What a figure is about: a number per sample; NaN if it has none.
-typedef double rb_measure_fn(const struct rb_sample *sample, const void *what);
-
-// Of whole frames; of groups of tiles only min, p10 and the counts are filled.
-struct rb_figure rb_cell_figure(const struct rb_cell *cell, rb_measure_fn *measure,
-                                const void *what);
-
 // The figures all tables show, in ns. Thread time is that of all threads together.
 struct rb_figure rb_cell_ns_per_ray(const struct rb_cell *cell, enum rb_stage stage, int bounce);
 struct rb_figure rb_cell_frame_ns(const struct rb_cell *cell); // wall time

@@ -61,9 +61,10 @@ static double elapsed_s(const struct rb_run *run)
     return (double)(rb_clock_ns() - run->start_ns) * 1e-9;
 }
 
-double rb_run_left_s(const struct rb_run *run)
+// Seconds until the run ends, about.
+static double left_s_of(const struct rb_run *run)
 {
-    double left_s = run->start_ns ? run->budget_s - elapsed_s(run) : run->budget_s, least_s = 0;
+    double left_s = run->budget_s - elapsed_s(run), least_s = 0;
     for (int unit = 0; unit < run->unit_count; unit++) {
         int missing = rb_run_processes(run) - (int)processes_of(run, unit);
         for (int side = 0; side < run->side_count && missing > 0; side++)
@@ -81,10 +82,10 @@ static void show_progress(const struct rb_run *run, const struct rb_cell *cell, 
     if (isatty(STDERR_FILENO))
         fprintf(stderr, "\rprocess %u of %d: %s, %s; about %.0f s left\033[K\r", round + 1,
                 rb_run_processes(run), cell->reference->scene_name, cell->variant->name,
-                rb_run_left_s(run));
+                left_s_of(run));
     else if (round_ends)
         fprintf(stderr, "raybench: %u of %d processes a cell are done; about %.0f s left\n", round,
-                rb_run_processes(run), rb_run_left_s(run));
+                rb_run_processes(run), left_s_of(run));
 }
 
 struct taker {

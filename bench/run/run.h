@@ -35,9 +35,6 @@ struct rb_run {
     bool crashed, mismatch; // some cell
 };
 
-// Seconds until the run ends, about; before it starts, too.
-double rb_run_left_s(const struct rb_run *run);
-
 // Makes the references, from the cache next to the result folders where it has them, and decides
 // which cells measure groups of tiles. Starts the clock of the budget.
 enum rb_status rb_run_prepare(struct rb_run *run, struct rb_error *error);
