@@ -1,5 +1,7 @@
 #include "bench/run/columns.h"
 
+#include "bench/data/csv_write.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -30,26 +32,13 @@ struct rb_value rb_hash(uint64_t value)
     return (struct rb_value){.kind = RB_VALUE_HASH, .hash = value};
 }
 
-// Quoted only where RFC 4180 wants it.
-static void put_csv_text(FILE *out, const char *text)
-{
-    if (!strpbrk(text, ",\"\r\n")) {
-        fputs(text, out);
-        return;
-    }
-    fputc('"', out);
-    for (; *text; text++)
-        fprintf(out, *text == '"' ? "\"\"" : "%c", *text);
-    fputc('"', out);
-}
-
 static void put_csv(FILE *out, struct rb_value value)
 {
     switch (value.kind) {
     case RB_VALUE_NONE:
         break;
     case RB_VALUE_TEXT:
-        put_csv_text(out, value.text);
+        rb_csv_put_text(out, value.text);
         break;
     case RB_VALUE_INTEGER:
         fprintf(out, "%" PRId64, value.integer);

@@ -1,5 +1,7 @@
 #include "bench/times/render_table.h"
 
+#include "bench/data/csv_write.h"
+
 #include "base/memory.h"
 #include "scene/generate.h"
 
@@ -191,22 +193,10 @@ enum rb_status rb_render_table_load(const char *path, struct rb_render_table *ta
     return RB_OK;
 }
 
-static void put_text(FILE *out, const char *text)
-{
-    if (!text[strcspn(text, "\",\r\n")]) {
-        fputs(text, out);
-        return;
-    }
-    fputc('"', out);
-    for (; *text; text++)
-        fprintf(out, *text == '"' ? "\"\"" : "%c", *text);
-    fputc('"', out);
-}
-
 static void put_field(FILE *out, const struct column *column, const void *field)
 {
     if (column->kind == TEXT)
-        put_text(out, *(const char *const *)field);
+        rb_csv_put_text(out, *(const char *const *)field);
     else if (column->kind == WHOLE)
         fprintf(out, "%d", *(const int *)field);
     else if (isfinite(*(const double *)field))
