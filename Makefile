@@ -3,7 +3,7 @@
 # Variables a caller may set:
 #   CC=gcc|clang  OPT=-O2  WERROR=1  SANITIZE=address,undefined  CFLAGS=... LDFLAGS=...
 #   CONFIG=release         objects and programs go to build/$(CONFIG)
-#   OPENMP=0  PNG=0        build without what was found on this machine
+#   OPENMP=0  PNG=0  VALGRIND=0   build without what was found on this machine
 #   PREFIX=/usr/local      where `make install` puts things, below DESTDIR
 
 ifeq ($(origin CC),default)
@@ -23,12 +23,15 @@ endif
 ifndef PNG
 PNG := $(call works,-lpng,png.h)
 endif
+ifndef VALGRIND
+VALGRIND := $(call works,,valgrind/callgrind.h)
+endif
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion \
             -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wundef
 # Exactness: no contraction into FMA. No errno, so that sqrtf is the instruction.
 EXACT    := -ffp-contract=off -fno-math-errno
-INCLUDE  := -Isrc -I. -DRB_PNG=$(PNG) -MMD -MP
+INCLUDE  := -Isrc -I. -DRB_PNG=$(PNG) -DRB_VALGRIND=$(VALGRIND) -MMD -MP
 NEEDED   := -std=c11 -g $(OPT) $(WARNINGS) $(if $(WERROR),-Werror) \
             $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-sanitize-recover=all)
 LINK     := $(if $(SANITIZE),-fsanitize=$(SANITIZE))

@@ -25,6 +25,7 @@ struct rb_frame {
     bool hash_hits;
     enum rb_stage slow_stage;
     double slow_share;
+    uint32_t simulate_from; // index into `tiles`; 0: never
     void (*progress)(void *user, uint32_t done, uint32_t total);
     void *user;
     atomic_uint next_tile, tiles_done;

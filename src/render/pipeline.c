@@ -8,6 +8,7 @@
 // not by the number of rays.
 #include "base/fpenv.h"
 #include "base/hash.h"
+#include "measure/simulate.h"
 #include "render/frame.h"
 
 // Ends a stage; the one that a test wants slower takes its share longer.
@@ -17,6 +18,8 @@ static void lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint6
     if (frame->slow_share > 0 && stage == frame->slow_stage)
         rb_probe_spin(&worker->recorder, frame->slow_share);
     rb_probe_lap(&worker->recorder, stage, bounce, rays);
+    if (frame->simulate_from)
+        rb_simulate_lap(stage, bounce, rays);
 }
 
 static uint64_t hash_hits(const struct rb_rays *rays, const struct rb_hits *hits, uint32_t sample)
@@ -152,6 +155,13 @@ static void render_tile(struct rb_worker *worker, uint32_t tile)
         }
 }
 
+// Hashing would be booked on the stage that follows, and push its data out of the L1 cache.
+static void begin_simulation(struct rb_worker *worker)
+{
+    worker->frame->hash_hits = false;
+    rb_simulate_begin();
+}
+
 void rb_worker_run(struct rb_worker *worker)
 {
     struct rb_frame *frame = worker->frame;
@@ -162,11 +172,15 @@ void rb_worker_run(struct rb_worker *worker)
         uint32_t next = atomic_fetch_add(&frame->next_tile, 1);
         if (next >= frame->tile_count)
             break;
+        if (frame->simulate_from && next == frame->simulate_from)
+            begin_simulation(worker);
         render_tile(worker, frame->tiles ? frame->tiles[next] : next);
         uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
         if (frame->progress && worker->reports)
             frame->progress(frame->user, done, frame->tile_count);
         lap(worker, RB_STAGE_OTHER, 0, 0);
     }
+    if (frame->simulate_from)
+        rb_simulate_stop();
     rb_fpenv_leave(&saved);
 }

@@ -141,6 +141,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     frame->hash_hits = options->hash_hits;
     frame->slow_stage = options->slow_stage;
     frame->slow_share = options->slow_share;
+    frame->simulate_from = options->simulate_from;
     frame->progress = options->progress;
     frame->user = options->user;
     atomic_store(&frame->next_tile, 0);
