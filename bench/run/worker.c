@@ -5,6 +5,7 @@
 #include "bench/run/tiles.h"
 #include "cli/commands.h"
 #include "measure/affinity.h"
+#include "measure/simulate.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -26,6 +27,8 @@ static const struct rb_option options[] = {
     {"--process", "N", RB_OPTION_INT, BENCH(process), 0, 1e6, "round, for the samples"},
     {"--group-tiles", "N", RB_OPTION_INT, BENCH(group_tiles), 0, 1e9,
      "render a random group of so many small tiles, the process's own, instead of frames"},
+    {"--simulate-tiles", "N", RB_OPTION_INT, BENCH(simulate_tiles), 0, 1e9,
+     "render so many tiles twice, the second time as laps of a simulator"},
     {"--quiet", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, quiet), 0, 0, "no warnings"},
     {.name = NULL},
 };
@@ -123,6 +126,11 @@ static bool send_sample(const struct rb_sample *sample)
     return true;
 }
 
+static enum rb_status cannot_send(struct rb_error *error)
+{
+    return rb_error_set(error, RB_FAILED, "cannot write to the pipe");
+}
+
 static void measure(struct worker *worker, struct rb_run_result *result)
 {
     struct rb_sample *sample = &worker->sample;
@@ -216,8 +224,27 @@ static enum rb_status run_group(struct worker *worker, const struct rb_scene *sc
                               result.image_hash != check.image_hash ||
                               !same_rays(&worker->sample, &check);
     if (!send_sample(&worker->sample))
-        return rb_error_set(error, RB_FAILED, "cannot write to the pipe");
+        return cannot_send(error);
     return worker->sample.mismatch ? RB_INVALID : RB_OK;
+}
+
+// Renders runs of tiles, under a simulator or natively: then the sample says what hits and rays the
+// simulator must have.
+static enum rb_status run_simulated(struct worker *worker, struct rb_error *error)
+{
+    struct rb_run_result result;
+    const struct rb_arguments *arguments = worker->arguments;
+    enum rb_status status = rb_tiles_runs(&worker->tiles, rb_renderer_tile_count(worker->renderer),
+                                          (uint32_t)arguments->bench.simulate_tiles,
+                                          arguments->settings.seed, &worker->how, error);
+    if (status)
+        return status;
+    worker->how.hash_hits = true;
+    rb_simulate_start();
+    measure(worker, &result);
+    rb_simulate_end(result.hits_hash, rb_variant_resolve(rb_open_variant(arguments))->name);
+    worker->sample.hits_hash = result.hits_hash;
+    return send_sample(&worker->sample) ? RB_OK : cannot_send(error);
 }
 
 static enum rb_status run_frames(struct worker *worker, struct rb_error *error)
@@ -225,11 +252,9 @@ static enum rb_status run_frames(struct worker *worker, struct rb_error *error)
     if (!verify(worker))
         return RB_INVALID;
     if (worker->arguments->bench.slice_s == 0) // the verified frame is all that is wanted
-        return send_sample(&worker->sample)
-                   ? RB_OK
-                   : rb_error_set(error, RB_FAILED, "cannot write to the pipe");
+        return send_sample(&worker->sample) ? RB_OK : cannot_send(error);
     warm_up(worker);
-    return repeat(worker) ? RB_OK : rb_error_set(error, RB_FAILED, "cannot write to the pipe");
+    return repeat(worker) ? RB_OK : cannot_send(error);
 }
 
 static bool parse_slow(const char *text, struct rb_run_options *how)
@@ -287,8 +312,11 @@ static int run(const struct rb_arguments *arguments)
     worker.sample.process = (uint32_t)arguments->bench.process;
     worker.sample.build_ns = rb_renderer_build_ns(worker.renderer);
     worker.sample.tree_bytes = rb_renderer_tree_bytes(worker.renderer);
-    status = arguments->bench.group_tiles ? run_group(&worker, &scene, &error)
-                                          : run_frames(&worker, &error);
+    if (arguments->bench.simulate_tiles)
+        status = run_simulated(&worker, &error);
+    else
+        status = arguments->bench.group_tiles ? run_group(&worker, &scene, &error)
+                                              : run_frames(&worker, &error);
     rb_free(worker.tiles.order);
     rb_renderer_free(worker.renderer);
     rb_scene_free(&scene);

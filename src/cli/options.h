@@ -26,7 +26,9 @@ struct rb_bench_arguments {
     const char *kernels; // of a comparison, as the next ones
     double level, threshold_pct;
     bool bounces, gate;
-    const char *format; // of an export
+    const char *format;  // of an export
+    const char *l1, *ll; // of a simulation, as the next one
+    int simulate_tiles;
 };
 
 // Everything any command can be told. Zero or NULL means not given.
