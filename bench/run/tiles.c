@@ -43,13 +43,11 @@ enum rb_status rb_tiles_runs(struct rb_tiles *tiles, uint32_t all, uint32_t coun
     uint64_t runs = (uint64_t)ceil(sqrt(count));
     uint32_t used = 0;
     for (uint64_t run = 0; run < runs; run++) {
-        // The run's share of the image and of the tiles: all of them if all tiles are wanted.
-        uint32_t begin = (uint32_t)(run * all / runs), end = (uint32_t)((run + 1) * all / runs);
-        uint32_t length = (uint32_t)((run + 1) * count / runs) - used;
-        uint32_t room = end - begin > length ? end - begin - length : 0;
-        uint32_t first = begin + (uint32_t)(rb_hash_word(seed, run) % (room + 1));
-        for (uint32_t i = 0; i < length; i++)
-            tiles->order[used++] = first + i;
+        // Each run has its share of the tiles, and of those that are left over.
+        uint64_t begin = run * (all - count) / runs, end = (run + 1) * (all - count) / runs;
+        uint32_t skipped = (uint32_t)(begin + rb_hash_word(seed, run) % (end - begin + 1));
+        for (uint32_t last = (uint32_t)((run + 1) * count / runs); used < last; used++)
+            tiles->order[used] = skipped + used;
     }
     memcpy(tiles->order + count, tiles->order, count * sizeof *tiles->order);
     how->tiles = tiles->order;

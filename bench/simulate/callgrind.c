@@ -18,8 +18,9 @@ struct reader {
     struct rb_error *error;
     int columns[COLUMNS_MAX]; // events of the running dump
     int column_count;
-    struct rb_simulated_place *place; // of the running dump, or NULL
-    bool ended;
+    struct rb_simulated_place *place; // of the running dump; NULL: not a lap
+    bool labelled;                    // there was a label, and no totals yet
+    bool ended;                       // the last label was the end
 };
 
 // Behind `prefix` if the line begins with it, else NULL.
@@ -69,8 +70,9 @@ static enum rb_status read_end(struct reader *reader, const char *text)
 static enum rb_status read_label(struct reader *reader, const char *label)
 {
     const char *end = after(label, "end ");
-    if (reader->ended || reader->place)
+    if (reader->ended || reader->labelled)
         return rb_error_set(reader->error, RB_FAILED, "a dump where none is expected");
+    reader->labelled = true;
     return end ? read_end(reader, end) : read_lap(reader, label);
 }
 
@@ -115,6 +117,7 @@ static enum rb_status read_totals(struct reader *reader, const char *text)
     if (column == 0)
         return rb_error_set(reader->error, RB_FAILED, "totals without numbers");
     reader->place = NULL;
+    reader->labelled = false;
     return RB_OK;
 }
 
@@ -149,7 +152,7 @@ enum rb_status rb_callgrind_parse(const char *text, struct rb_simulated *simulat
         if (read_line(&reader, line))
             return RB_FAILED;
     }
-    if (!reader.ended || reader.place)
+    if (!reader.ended || reader.labelled)
         return rb_error_set(error, RB_FAILED, "the simulator's record is cut short");
     error->line = error->column = 0;
     return RB_OK;
