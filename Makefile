@@ -64,7 +64,7 @@ PLANS    := $(sort $(wildcard bench/plans/*.plan))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench table selftest overhead test unit exact check fuzz setup install clean help force
+.PHONY: all bench table simulate selftest overhead test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -76,6 +76,11 @@ bench: all
 ## table: the render times of Table 1, about 15 minutes (CHECK=1: are the committed files stale?)
 table: all
 	$(B)/raybench table $(if $(CHECK),--check) $(TABLE)
+
+## simulate: instructions and misses per ray from a simulator (SCENE=mount_high VARIANT=bvh)
+SCENE    ?= balls_high
+simulate: all
+	$(B)/raybench simulate $(SCENE) $(if $(VARIANT),--variant $(VARIANT)) $(SIMULATE)
 
 ## selftest: verdicts on the program against itself, and on known slow-downs; three minutes
 selftest: all

@@ -1,5 +1,6 @@
 #include "bench/run/simulate_cell.h"
 
+#include "base/memory.h"
 #include "bench/run/process.h"
 #include "bench/run/reference.h"
 #include "bench/run/tiles.h"
@@ -56,17 +57,39 @@ static bool agrees(const struct rb_simulated *simulated, const struct rb_sample 
     return same;
 }
 
-enum rb_status rb_simulate_cell(const struct rb_cell *cell, const char *program, uint32_t tiles,
-                                const struct rb_caches *caches, struct rb_simulated *simulated,
-                                struct rb_error *error)
+// Runs the same worker natively and under the simulator, and compares.
+static enum rb_status run_both(const struct rb_worker_words *words, const struct rb_caches *caches,
+                               struct rb_simulated *simulated, struct rb_error *error)
 {
     static struct rb_sample native; // too large for the stack
+    char *pointers[RB_WORKER_WORDS_MAX + 1] = {NULL};
+    for (int i = 0; i < words->count; i++)
+        pointers[i] = (char *)words->text[i];
+    enum rb_status status = rb_process_run(words, false, keep_sample, &native, error);
+    if (status == RB_OK && rb_process_interrupted())
+        status = rb_error_set(error, RB_FAILED, "interrupted");
+    if (status == RB_OK)
+        status = rb_simulate_run(pointers, caches, simulated, error);
+    if (status)
+        return status;
+    simulated->tree_bytes = native.tree_bytes;
+    return agrees(simulated, &native)
+               ? RB_OK
+               : rb_error_set(error, RB_INVALID,
+                              "hits and rays under the simulator are not those of a native run: "
+                              "there are no numbers");
+}
+
+enum rb_status rb_simulate_cell(struct rb_cell *cell, const char *program, uint32_t tiles,
+                                const struct rb_caches *caches, struct rb_error *error)
+{
     struct rb_worker_words words = {.count = 0};
     struct rb_settings settings = cell->settings;
-    char *pointers[RB_WORKER_WORDS_MAX + 1] = {NULL};
     if (rb_simulate_refusal(cell->variant))
-        return rb_error_set(error, RB_INVALID, "%s cannot be simulated: %s", cell->variant->name,
-                            rb_simulate_refusal(cell->variant));
+        return rb_error_set(error, RB_INVALID, "%s", rb_simulate_refusal(cell->variant));
+    struct rb_simulated *simulated = rb_alloc(1, sizeof *simulated);
+    if (!simulated)
+        return rb_error_memory(error, "the simulation");
     settings.tile = tile_edge(cell);
     uint32_t all =
         tiles_across(settings.width, settings.tile) * tiles_across(settings.height, settings.tile);
@@ -75,21 +98,12 @@ enum rb_status rb_simulate_cell(const struct rb_cell *cell, const char *program,
     rb_worker_word(&words, "--cpu=-1");
     rb_worker_word(&words, "--simulate-tiles=%u", tiles);
     rb_reference_scene_word(cell->reference, &words);
-    for (int i = 0; i < words.count; i++)
-        pointers[i] = words.text[i];
-    enum rb_status status = rb_process_run(&words, false, keep_sample, &native, error);
-    if (status == RB_OK && !rb_process_interrupted())
-        status = rb_simulate_run(pointers, caches, simulated, error);
-    if (status)
-        return status;
+    enum rb_status status = run_both(&words, caches, simulated, error);
     simulated->tiles = tiles < all ? tiles : all;
     simulated->all_tiles = all;
     simulated->tile = settings.tile;
-    simulated->tree_bytes = native.tree_bytes;
-    return agrees(simulated, &native)
-               ? RB_OK
-               : rb_error_set(
-                     error, RB_INVALID,
-                     "%s under the simulator does not do what it does natively: no numbers",
-                     cell->variant->name);
+    rb_free(status ? simulated : cell->simulated);
+    if (status == RB_OK)
+        cell->simulated = simulated;
+    return status;
 }

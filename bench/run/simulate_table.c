@@ -66,7 +66,11 @@ static void print_place(const struct rb_simulated_place *place, const char *kern
     char text[16] = "";
     if (bounce >= 0)
         snprintf(text, sizeof text, "%d", bounce);
-    printf("  %-13s %6s %9" PRIu64, kernel, text, place->rays);
+    printf("  %-13s %6s", kernel, text);
+    if (place->rays)
+        printf(" %9" PRIu64, place->rays);
+    else
+        printf(" %9s", "-");
     for (int c = 0; c < COLUMN_COUNT; c++) {
         double value;
         memcpy(&value, (const char *)&figures + columns[c].offset, sizeof value);
@@ -78,8 +82,9 @@ static void print_place(const struct rb_simulated_place *place, const char *kern
     printf("\n");
 }
 
-void rb_simulate_print(const struct rb_cell *cell, const struct rb_simulated *simulated)
+void rb_simulate_print(const struct rb_cell *cell)
 {
+    const struct rb_simulated *simulated = cell->simulated;
     struct rb_simulated_place all = rb_simulated_sum(simulated, -1);
     double cycles = cycles_of(all);
     printf("\n%s, %s: %" PRIu32 " of %" PRIu32 " tiles of %d x %d pixels, %.3g instructions\n",
@@ -100,17 +105,29 @@ void rb_simulate_print(const struct rb_cell *cell, const struct rb_simulated *si
     }
 }
 
-void rb_simulate_print_scaling(const struct rb_cell *cell, const struct rb_simulated *simulated)
+static void print_scaling_line(const struct rb_cell *cell)
 {
-    struct rb_simulated_place trace = rb_simulated_sum(simulated, RB_STAGE_TRACE);
-    struct rb_simulated_place shadow = rb_simulated_sum(simulated, RB_STAGE_TRACE_SHADOW);
-    struct rb_simulated_figures of_trace = rb_simulated_figures(&trace);
-    struct rb_simulated_figures of_shadow = rb_simulated_figures(&shadow);
-    printf("  %-16s %-14s %9" PRIu32 " primitives, tree %10.1f KiB: trace %8.2f L1 %8.4f LL, "
-           "trace_shadow %8.2f L1 %8.4f LL\n",
-           cell->reference->scene_name, simulated->row, cell->reference->primitive_count,
-           (double)simulated->tree_bytes / 1024.0, of_trace.l1_misses, of_trace.ll_misses,
-           of_shadow.l1_misses, of_shadow.ll_misses);
+    static const enum rb_stage stages[] = {RB_STAGE_TRACE, RB_STAGE_TRACE_SHADOW};
+    printf("  %-16s %-14s %12" PRIu32 " %14.1f", cell->reference->scene_name, cell->simulated->row,
+           cell->reference->primitive_count, (double)cell->simulated->tree_bytes / 1024.0);
+    for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
+        struct rb_simulated_place place = rb_simulated_sum(cell->simulated, (int)stages[i]);
+        struct rb_simulated_figures figures = rb_simulated_figures(&place);
+        printf(" %10.3f %10.4f", figures.l1_misses, figures.ll_misses);
+    }
+    printf("\n");
+}
+
+void rb_simulate_print_scaling(const struct rb_plan *plan)
+{
+    const struct rb_reference *last = &plan->references[plan->reference_count - 1];
+    if (strcmp(plan->references[0].scene_name, last->scene_name) == 0)
+        return;
+    printf("\n  %-16s %-14s %12s %14s %21s %21s\n", "misses per ray", "", "primitives",
+           "tree in KiB", "trace L1         LL", "trace_shadow L1   LL");
+    for (int i = 0; i < plan->cell_count; i++)
+        if (plan->cells[i].simulated)
+            print_scaling_line(&plan->cells[i]);
 }
 
 void rb_simulate_print_notes(void)

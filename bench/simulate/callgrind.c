@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,6 +65,13 @@ static enum rb_status read_end(struct reader *reader, const char *text)
         return rb_error_set(reader->error, RB_FAILED, "a dump with an end that is not ours");
     strcpy(reader->simulated->row, row);
     reader->ended = true;
+    return RB_OK;
+}
+
+static enum rb_status read_creator(struct reader *reader, const char *name)
+{
+    name += strspn(name, " ");
+    snprintf(reader->simulated->simulator, sizeof reader->simulated->simulator, "%.32s", name);
     return RB_OK;
 }
 
@@ -126,7 +134,12 @@ static enum rb_status read_line(struct reader *reader, const char *line)
     static const struct {
         const char *prefix;
         enum rb_status (*read)(struct reader *reader, const char *text);
-    } kinds[] = {{trigger, read_label}, {"events:", read_columns}, {"totals:", read_totals}};
+    } kinds[] = {
+        {"creator:", read_creator},
+        {trigger, read_label},
+        {"events:", read_columns},
+        {"totals:", read_totals},
+    };
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         const char *text = after(line, kinds[i].prefix);
         if (text)

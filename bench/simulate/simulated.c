@@ -1,6 +1,8 @@
 #include "bench/simulate/simulated.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 
 const char *const rb_sim_event_names[RB_SIM_EVENT_COUNT] = {
     "Ir", "Dr", "Dw", "I1mr", "D1mr", "D1mw", "ILmr", "DLmr", "DLmw", "Bc", "Bcm", "Bi", "Bim",
@@ -37,6 +39,19 @@ struct rb_simulated_figures rb_simulated_figures(const struct rb_simulated_place
         .memory_stall_pct = percent * memory,
         .other_pct = percent * other,
     };
+}
+
+void rb_simulated_describe(const struct rb_simulated *simulated, char text[RB_SIMULATED_TEXT])
+{
+    char l1i[32], l1d[32], ll[32];
+    rb_cache_text(&simulated->caches.l1i, l1i);
+    rb_cache_text(&simulated->caches.l1d, l1d);
+    rb_cache_text(&simulated->caches.ll, ll);
+    snprintf(text, RB_SIMULATED_TEXT,
+             "%s; %s; L1 instructions %s; L1 data %s; LL %s; %" PRIu32 " of %" PRIu32
+             " tiles of edge %d",
+             simulated->simulator, simulated->row, l1i, l1d, ll, simulated->tiles,
+             simulated->all_tiles, simulated->tile);
 }
 
 struct rb_simulated_place rb_simulated_sum(const struct rb_simulated *simulated, int stage)

@@ -51,6 +51,7 @@ struct rb_simulated {
     struct rb_caches caches;
     uint64_t hits_hash; // of the work that was simulated
     char row[33];       // that did it
+    char simulator[33]; // "callgrind-3.19.0"
     // Where tiles of a frame were simulated, else 0:
     uint32_t tiles, all_tiles;
     int tile; // edge in pixels
@@ -71,6 +72,10 @@ struct rb_simulated_figures {
     double compute_pct, memory_stall_pct, other_pct;
 };
 struct rb_simulated_figures rb_simulated_figures(const struct rb_simulated_place *place);
+
+// Where the numbers come from, in a line: the simulator, its caches, the tiles.
+enum { RB_SIMULATED_TEXT = 256 };
+void rb_simulated_describe(const struct rb_simulated *simulated, char text[RB_SIMULATED_TEXT]);
 
 // A stage at all bounces together, or with stage -1 everything.
 struct rb_simulated_place rb_simulated_sum(const struct rb_simulated *simulated, int stage);

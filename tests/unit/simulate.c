@@ -39,6 +39,7 @@ static void well_formed(void)
     ok(place->events[RB_SIM_IR] == 1500 && place->events[RB_SIM_DR] == 201, "so do their events");
     ok(place->events[RB_SIM_BIM] == 3, "the last column counts");
     ok(simulated.place[RB_STAGE_OTHER][0].events[RB_SIM_IR] == 7, "places are kept apart");
+    ok(strcmp(simulated.simulator, "callgrind-3.19.0") == 0, "the simulator has a name");
     ok(simulated.hits_hash == 0xdeadbeef && strcmp(simulated.row, "packet-avx2") == 0,
        "the end has hash and row");
     struct rb_simulated_place all = rb_simulated_sum(&simulated, -1);
