@@ -1,7 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/run/simulate_command.h"
 
-#include "base/cpu.h"
 #include "bench/run/plan.h"
 #include "bench/run/process.h"
 #include "bench/run/reference.h"
@@ -66,17 +65,21 @@ const struct rb_command rb_command_simulate = {
 };
 
 // Rows that stand for others, and the machine's own choices, do without what valgrind lacks.
-static void disable_avx512(const struct rb_arguments *arguments)
+static void disable_avx512(void)
 {
     const char *disabled = getenv("RAYBENCH_CPU_DISABLE");
     char list[256];
-    bool had = rb_cpu_has("avx512f", 7);
     snprintf(list, sizeof list, "%.200s%savx512f", disabled ? disabled : "",
              disabled && *disabled ? "," : "");
     setenv("RAYBENCH_CPU_DISABLE", list, 1);
-    if (had && !arguments->quiet)
-        fprintf(stderr, "raybench: valgrind has no AVX-512; packet is %s here\n",
-                rb_variant_resolve(rb_variant_find("packet"))->name);
+}
+
+static void print_head(const struct rb_caches *caches)
+{
+    const struct rb_variant *packet = rb_variant_resolve(rb_variant_find("packet"));
+    rb_simulate_print_caches(caches);
+    if (packet)
+        printf("valgrind has no AVX-512: packet means %s\n", packet->name);
 }
 
 static void show_progress(const struct rb_cell *cell, const struct rb_arguments *arguments)
@@ -125,7 +128,7 @@ static int simulate_all(struct rb_plan *plan, const char *program, const struct 
         if (status)
             return rb_report(status, error);
         if (done++ == 0)
-            rb_simulate_print_caches(caches);
+            print_head(caches);
         rb_simulate_print(cell);
     }
     if (done == 0)
@@ -150,7 +153,7 @@ static int run(const struct rb_arguments *arguments)
         status = rb_plan_compose(arguments, &plan, &error);
     if (status == RB_OK)
         status = rb_plan_parse(&rb_command_simulate, &plan, &error);
-    disable_avx512(arguments);
+    disable_avx512();
     plan.arguments.quiet = arguments->quiet;
     if (!arguments->bench.variants)
         plan.arguments.bench.variants = "naive,bvh,packet";
