@@ -139,6 +139,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     frame->tiles = options->tiles;
     frame->tile_count = options->tiles ? options->tile_count : rb_renderer_tile_count(renderer);
     frame->hash_hits = options->hash_hits;
+    frame->observer = options->observer;
     frame->slow_stage = options->slow_stage;
     frame->slow_share = options->slow_share;
     frame->progress = options->progress;

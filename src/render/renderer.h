@@ -25,10 +25,23 @@ enum rb_status rb_renderer_create(const struct rb_scene *scene, const struct rb_
                                   struct rb_error *error);
 void rb_renderer_free(struct rb_renderer *renderer); // accepts NULL
 
+// Sees the batches of a frame as the kernels get and leave them, in the order in which they come:
+// a batch of rays, the shadow rays of its hits, then its children, which are batches of the next
+// bounce. `span` is the part of the image that they serve. Called by the worker that has made them,
+// so rows with threads call from several at once. What it sees is gone when it returns.
+struct rb_observer {
+    void *user;
+    void (*traced)(void *user, const struct rb_span *span, int bounce, const struct rb_rays *rays,
+                   const struct rb_hits *hits);
+    void (*shadowed)(void *user, const struct rb_span *span, int bounce,
+                     const struct rb_shadows *shadows);
+};
+
 struct rb_run_options {
     const uint32_t *tiles; // indices of the tiles to render; NULL for the whole frame
     uint32_t tile_count;
-    bool hash_hits; // costs time
+    bool hash_hits;                     // costs time
+    const struct rb_observer *observer; // may be NULL; its time is not the frame's
     // A test's wish: the stage takes this share longer, spinning. 0: no.
     enum rb_stage slow_stage;
     double slow_share;
