@@ -6,6 +6,7 @@
 #include "measure/probe.h"
 #include "render/queues.h"
 #include "render/renderer.h"
+#include "render/replay.h"
 #include "render/settings.h"
 #include "render/variants.h"
 
@@ -25,6 +26,7 @@ struct rb_frame {
     uint32_t tile_count;
     bool hash_hits;
     const struct rb_observer *observer; // may be NULL
+    const struct rb_replay *replay;     // instead of tiles; may be NULL
     enum rb_stage slow_stage;
     double slow_share;
     void (*progress)(void *user, uint32_t done, uint32_t total);
@@ -60,5 +62,8 @@ struct rb_children rb_worker_shade(struct rb_worker *worker, int bounce, const s
 
 // Renders tiles until none is left; called once by every worker, in its own thread.
 void rb_worker_run(struct rb_worker *worker);
+
+// Goes through frame->replay.
+void rb_worker_replay(struct rb_worker *worker);
 
 #endif

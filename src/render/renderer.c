@@ -130,6 +130,14 @@ void rb_film_clear(struct rb_film *film)
     memset(film->rgb, 0, 3 * sizeof *film->rgb * (size_t)film->width * (size_t)film->height);
 }
 
+// A schedule of recorded batches.
+static void replay(struct rb_frame *frame, struct rb_worker *workers, int count)
+{
+    (void)count;
+    frame->thread_count = 1;
+    rb_worker_replay(&workers[0]);
+}
+
 void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *options,
                      struct rb_run_result *result)
 {
@@ -140,6 +148,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     frame->tile_count = options->tiles ? options->tile_count : rb_renderer_tile_count(renderer);
     frame->hash_hits = options->hash_hits;
     frame->observer = options->observer;
+    frame->replay = options->replay;
     frame->slow_stage = options->slow_stage;
     frame->slow_share = options->slow_share;
     frame->progress = options->progress;
@@ -156,7 +165,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     fenv_t saved;
     rb_fpenv_enter(&saved);
     uint64_t start_ns = rb_clock_ns();
-    renderer->variant->schedule(frame, renderer->workers, count);
+    (frame->replay ? replay : renderer->variant->schedule)(frame, renderer->workers, count);
     *result = (struct rb_run_result){
         .wall_ns = rb_clock_ns() - start_ns,
         .thread_count = frame->thread_count,

@@ -13,6 +13,7 @@
 
 #include "base/vec.h"
 #include "measure/probe.h"
+#include "render/replay.h"
 #include "render/settings.h"
 #include "render/variants.h"
 
@@ -42,6 +43,9 @@ struct rb_run_options {
     uint32_t tile_count;
     bool hash_hits;                     // costs time
     const struct rb_observer *observer; // may be NULL; its time is not the frame's
+    // Not NULL: instead of tiles run one kernel on recorded batches, which the renderer has checked
+    // (replay.h), in one thread. Pixels and image hash then mean nothing.
+    const struct rb_replay *replay;
     // A test's wish: the stage takes this share longer, spinning. 0: no.
     enum rb_stage slow_stage;
     double slow_share;
