@@ -3,6 +3,7 @@
 #include "bench/compare/compare.h"
 #include "bench/export/export.h"
 #include "bench/machine/doctor.h"
+#include "bench/replay/record.h"
 #include "bench/run/bench.h"
 #include "bench/run/worker.h"
 #include "bench/shell/completions.h"
@@ -24,6 +25,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_compare,
     &rb_command_export,
     &rb_command_table,
+    &rb_command_record,
     &rb_command_doctor,
     &rb_command_completions,
     &rb_command_man,
