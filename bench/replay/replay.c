@@ -224,7 +224,7 @@ static int measure(struct rb_replay_run *run, const struct rb_arguments *argumen
 {
     struct rb_error error = {0};
     struct rb_scene scene;
-    const struct rb_variant *variant = rb_open_variant(arguments);
+    const struct rb_variant *variant = rb_replay_variant(arguments);
     if (!variant)
         return RB_INVALID;
     enum rb_status status = prepare(run, variant, arguments, &error);

@@ -15,8 +15,21 @@ const struct rb_option rb_options_choice[] = {
      "bounce whose rays it gets; default all, one after the other"},
     {"--class", "image|diffuse|reflection|refraction|shadow|all", RB_OPTION_TEXT, BENCH(classes), 0,
      0, "rays it gets; default image"},
+    {"--variant", "VARIANT", RB_OPTION_TEXT, offsetof(struct rb_arguments, variant), 0, 0,
+     "serial row whose kernels run; default: the fastest available"},
     {.name = NULL},
 };
+
+const struct rb_variant *rb_replay_variant(const struct rb_arguments *arguments)
+{
+    const struct rb_variant *fastest = NULL;
+    if (arguments->variant)
+        return rb_open_variant(arguments);
+    for (const struct rb_variant *row = rb_variants; row->name; row++)
+        if (!row->best_of && !rb_variant_parallel(row) && rb_variant_available(row))
+            fastest = row;
+    return fastest;
+}
 
 static bool is_given(const struct rb_arguments *arguments, const char *name)
 {
@@ -101,7 +114,7 @@ int rb_replay_source_open(const char *path, const struct rb_record_choice *choic
 {
     struct rb_error error = {0};
     *source = (struct rb_replay_source){.renderer = NULL};
-    const struct rb_variant *variant = rb_open_variant(arguments);
+    const struct rb_variant *variant = rb_replay_variant(arguments);
     if (!variant)
         return RB_INVALID;
     enum rb_status status = rb_record_read(path, choice, &source->record, &error);

@@ -7,15 +7,18 @@
 #include "cli/options.h"
 #include "render/renderer.h"
 
-// How a choice is said on the command line: --kernel, --class, --bounce. Shared by the command and
-// its worker processes. Zero-initialised arguments choose everything of the image.
+// What to replay, and by which row: --kernel, --class, --bounce, --variant. Shared by the command
+// and its worker processes.
 extern const struct rb_option rb_options_choice[];
 
-// Parses them. *kernel is -1 and *ray_class RB_CLASS_COUNT for all there are; *bounce is -1.
+// The row asked for, or the fastest serial one. NULL after reporting an unknown name.
+const struct rb_variant *rb_replay_variant(const struct rb_arguments *arguments);
+
+// Parses the others. *kernel is -1 and *ray_class RB_CLASS_COUNT for all there are; *bounce is -1.
 enum rb_status rb_choice_parse(const struct rb_arguments *arguments, int *kernel, int *ray_class,
                                int *bounce, struct rb_error *error);
 
-// Does a kernel have work with rays of this kind?
+// The kind of rays that a kernel gets.
 enum rb_batch_kind rb_kernel_batch_kind(enum rb_stage kernel);
 
 // Loads the scene of a record and compares its hash; RB_INVALID if it is another one. Returns the
