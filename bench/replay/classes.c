@@ -26,21 +26,26 @@ static void make_axes(struct rb_vec n, struct rb_vec *x, struct rb_vec *y)
     *y = (struct rb_vec){b, sign + n.y * n.y * a, -n.y};
 }
 
+static float random_number(const struct parent *parent, uint32_t dimension)
+{
+    return rb_random(parent->seed, parent->pixel, parent->sample, DIFFUSE_PATH, dimension);
+}
+
 // The point of the disc by rejection, which needs no sine and is the same on every machine.
 static bool aim_diffuse(const struct parent *parent, struct rb_vec *o, struct rb_vec *d)
 {
-    float u, v, rest = -1.0f;
-    for (uint32_t dimension = 0; rest < 0.0f; dimension += 2) {
-        u = 2.0f * rb_random(parent->seed, parent->pixel, parent->sample, DIFFUSE_PATH, dimension);
-        v = 2.0f *
-            rb_random(parent->seed, parent->pixel, parent->sample, DIFFUSE_PATH, dimension + 1);
-        u -= 1.0f, v -= 1.0f;
-        rest = 1.0f - u * u - v * v;
-    }
+    float u, v, square;
+    uint32_t dimension = 0;
+    do {
+        u = 2.0f * random_number(parent, dimension++) - 1.0f;
+        v = 2.0f * random_number(parent, dimension++) - 1.0f;
+        square = u * u + v * v;
+    } while (square > 1.0f);
+    float up = sqrtf(1.0f - square);
     struct rb_vec n = parent->contact->n, x, y;
     make_axes(n, &x, &y);
     *o = parent->contact->near;
-    *d = rb_normalize(rb_vec_mad(rb_vec_mad(rb_vec_scale(n, sqrtf(rest)), u, x), v, y));
+    *d = rb_normalize(rb_vec_mad(rb_vec_mad(rb_vec_scale(n, up), u, x), v, y));
     return true;
 }
 

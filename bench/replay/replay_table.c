@@ -32,9 +32,10 @@ static struct rb_median ratio_of(const struct rb_replay_unit *unit, const struct
 {
     struct rb_median ratio = {(double)NAN, (double)NAN, (double)NAN, (double)NAN};
     size_t here = unit->cell.sample_count, there = frames->sample_count;
-    double *alone = rb_alloc(here + there, sizeof *alone), *in_place = alone + here;
+    double *alone = rb_alloc(here + there, sizeof *alone);
     if (!alone)
         return ratio;
+    double *in_place = alone + here;
     enum rb_stage kernel = unit->choice.kernel;
     int bounce = unit->choice.bounce;
     size_t count = rb_cell_process_p10(&unit->cell, kernel, bounce, alone);

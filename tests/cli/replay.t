@@ -31,7 +31,8 @@ for scene in balls_low mount_low; do
     hits=$(recorded diffuse rays 1)
     check 'a diffuse ray for a hit' at_most "$hits" 4096
     check 'a reflected one' same "$(recorded reflection rays 1)" "$hits"
-    check 'a refracted one, but for total reflection' at_most "$(recorded refraction rays 1)" "$hits"
+    check 'a refracted one, but for total reflection' \
+        at_most "$(recorded refraction rays 1)" "$hits"
     check 'a shadow ray to light 0' same "$(recorded shadow shadow 0)" "$hits"
     lights=$("$raybench" info $scene | awk '$1 == "lights" { print $2 }')
     check 'shadow rays of the image: at most one per hit and light' \
@@ -49,7 +50,8 @@ done
 # shellcheck disable=SC2086 # words
 {
     for kernel in generate trace shade trace_shadow; do
-        check "$kernel alone" exits 0 replay "$rays" --variant bvh --kernel $kernel --bounce 0 $short
+        check "$kernel alone" exits 0 replay "$rays" --variant bvh --kernel $kernel --bounce 0 \
+            $short
         check 'has one line' timed 1
     done
     check 'one bounce' exits 0 replay "$rays" --variant bvh --bounce 1 $short

@@ -82,7 +82,7 @@ check 'and replayed by the new row' replay 0 dummy trace
 check 'with a time' grep -qE '^  image +trace +0 +2304 +[0-9]' "$tmp/out"
 check 'by the wrong one' replay 2 wrong trace
 check 'without' grep -qE '^  image +trace +0 +2304 +- +invalid: differs from the record' "$tmp/out"
-check 'it says which ray' grep -qE '/rays: trace at bounce 0, batch 0, ray [0-9]+: t is not as rec' \
+check 'it says which ray' grep -qE 'trace at bounce 0, batch 0, ray [0-9]+: t is not as recorded' \
     "$tmp/err"
 check 'wrong shadows get none' replay 2 dark trace_shadow
 check 'and the reason' grep -q ': occluded is not as recorded' "$tmp/err"
