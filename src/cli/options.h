@@ -26,7 +26,10 @@ struct rb_bench_arguments {
     const char *kernels; // of a comparison, as the next ones
     double level, threshold_pct;
     bool bounces, gate;
-    const char *format; // of an export
+    const char *format;  // of an export
+    const char *classes; // of rays, to record
+    int bounce;          // to replay
+    bool list;
 };
 
 // Everything any command can be told. Zero or NULL means not given.
