@@ -50,11 +50,13 @@ say      := $(if $(findstring s,$(firstword -$(MAKEFLAGS))),@:,@echo)
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine)),)
 WIDE     := packet.avx2 packet.avx512
 endif
-%packet.avx2.o: ISA := -mavx2 -DRB_PACKET=rb_kernels_packet_avx2
-%packet.avx512.o: ISA := -mavx512f -DRB_PACKET=rb_kernels_packet_avx512
+%packet.avx2.o %packet.avx2.counted.o: ISA := -mavx2 -DRB_PACKET=rb_kernels_packet_avx2
+%packet.avx512.o %packet.avx512.counted.o: ISA := -mavx512f -DRB_PACKET=rb_kernels_packet_avx512
 
 LIB_SRC  := $(sort $(wildcard src/*/*.c bench/*/*.c))
-LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o) $(WIDE:%=$(B)/src/kernels/%.o)
+KERNELS  := $(patsubst src/kernels/%.c,%,$(filter src/kernels/%,$(LIB_SRC))) $(WIDE)
+LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o) $(WIDE:%=$(B)/src/kernels/%.o) \
+            $(patsubst %,$(B)/src/kernels/%.counted.o,$(filter-out count,$(KERNELS)))
 UNIT_SRC := $(sort $(wildcard tests/unit/*.c))
 UNIT     := $(UNIT_SRC:%.c=$(B)/%)
 TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
@@ -157,14 +159,23 @@ $(FUZZ_REPLAY): $(B)/tests/fuzz/fuzz_nff.o $(B)/tests/fuzz/replay.o $(B)/librayb
 
 define compile
 @mkdir -p $(@D)
-$(say) "  cc   $< $(ISA)"
-@$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(ISA) -c -o $@ $<
+$(say) "  cc   $< $(ISA) $(COUNTING)"
+@$(CC) $(INCLUDE) $(NEEDED) $(CPPFLAGS) $(CFLAGS) $(EXACT) $(ISA) $(COUNTING) -c -o $@ $<
 endef
 $(B)/%.avx2.o: %.c $(B)/flags
 	$(compile)
 $(B)/%.avx512.o: %.c $(B)/flags
 	$(compile)
 $(B)/%.o: %.c $(B)/flags
+	$(compile)
+
+# Kernels are compiled again with counting, as FILE.counted or FILE.ISA.counted (kernels/count.h).
+%.counted.o: COUNTING := -DRB_COUNTING
+$(B)/%.avx2.counted.o: %.c $(B)/flags
+	$(compile)
+$(B)/%.avx512.counted.o: %.c $(B)/flags
+	$(compile)
+$(B)/%.counted.o: %.c $(B)/flags
 	$(compile)
 
 # Rewritten only when compiler or flags change, so that they rebuild everything. Passed through the

@@ -7,11 +7,11 @@
 static rb_trace_fn trace;
 static rb_trace_shadow_fn trace_shadow;
 
-const struct rb_kernels rb_kernels_bvh = {
-    .generate = rb_scalar_generate,
+const struct rb_kernels RB_TWIN(rb_kernels_bvh) = {
+    .generate = RB_TWIN(rb_scalar_generate),
     .trace = trace,
-    .surface = rb_scalar_surface,
-    .light = rb_scalar_light,
+    .surface = RB_TWIN(rb_scalar_surface),
+    .light = RB_TWIN(rb_scalar_light),
     .trace_shadow = trace_shadow,
 };
 
@@ -39,6 +39,10 @@ static inline int push_children(const struct rb_bvh_node *node, const struct rb_
     struct rb_interval a = child_interval(node, 0, ray), b = child_interval(node, 1, ray);
     bool visit_a = a.near <= a.far && a.near <= limit, visit_b = b.near <= b.far && b.near <= limit;
     int far = a.near <= b.near;
+    RB_COUNT_STEP(1, 1);
+    RB_COUNT_RAYS(NODES, 1, 1);
+    RB_COUNT_RAYS(BOXES, 1, 2);
+    RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
     if (visit_a && visit_b) {
         stack[depth++] = (struct visit){node->child[far], node->count[far], far ? b.near : a.near};
         visit_a = far, visit_b = !far;
@@ -47,6 +51,7 @@ static inline int push_children(const struct rb_bvh_node *node, const struct rb_
         stack[depth++] = (struct visit){node->child[0], node->count[0], a.near};
     else if (visit_b)
         stack[depth++] = (struct visit){node->child[1], node->count[1], b.near};
+    RB_COUNT_DEPTH(depth);
     return depth;
 }
 
@@ -64,6 +69,7 @@ static struct rb_hit closest(const struct rb_world *world, const struct rb_ray *
             continue;
         if (visit.count == 0)
             depth = push_children(&bvh->nodes[visit.child], ray, best.t, stack, depth);
+        RB_COUNT_BYTES(TREE_BYTES, visit.count * sizeof *bvh->refs);
         for (uint32_t i = 0; i < visit.count; i++)
             if (rb_primitive_hit(world->scene, bvh->refs[visit.child + i], ray, &hit) &&
                 rb_hit_closer(&hit, &best))
@@ -85,6 +91,7 @@ static bool any(const struct rb_world *world, const struct rb_ray *ray, float di
         struct visit visit = stack[--depth];
         if (visit.count == 0)
             depth = push_children(&bvh->nodes[visit.child], ray, distance, stack, depth);
+        RB_COUNT_BYTES(TREE_BYTES, visit.count * sizeof *bvh->refs);
         for (uint32_t i = 0; i < visit.count; i++) {
             struct rb_hit hit;
             if (rb_primitive_hit(world->scene, bvh->refs[visit.child + i], ray, &hit) &&
@@ -99,7 +106,10 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         struct rb_ray ray = rb_ray_load(rays, i, world->one_sided);
+        RB_COUNT_BEGIN(i);
         struct rb_hit hit = rb_ray_valid(&ray) ? closest(world, &ray) : RB_MISS;
+        RB_COUNT_END(1);
+        RB_COUNT_RAYS(HITS, hit.prim != RB_NONE, 1);
         rb_hit_store(hits, i, &hit);
     }
 }
@@ -108,6 +118,9 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
 {
     for (uint32_t i = 0; i < shadows->count; i++) {
         struct rb_ray ray = rb_shadow_load(shadows, i);
+        RB_COUNT_BEGIN(i);
         shadows->occluded[i] = rb_ray_valid(&ray) && any(world, &ray, shadows->distance[i]);
+        RB_COUNT_END(1);
+        RB_COUNT_RAYS(OCCLUDED, shadows->occluded[i], 1);
     }
 }

@@ -10,6 +10,7 @@
 #define RB_KERNELS_INTERSECT_H
 
 #include "base/vec.h"
+#include "kernels/count.h"
 #include "kernels/kernel.h"
 
 // Which sides of a primitive a ray sees.
@@ -115,6 +116,7 @@ static inline struct rb_interval rb_box(const float low[3], const float high[3],
 static inline bool rb_sphere_test(const struct rb_sphere *sphere, const struct rb_ray *ray,
                                   enum rb_sides sides, bool own, float *t)
 {
+    RB_COUNT_RAYS(SPHERES, 1, 1);
     struct rb_vec l = rb_vec_sub(rb_vec_of(sphere->center), ray->o);
     float b = rb_dot(l, ray->d);
     struct rb_vec apart = rb_vec_mad(l, -b, ray->d);
@@ -142,6 +144,7 @@ static inline bool rb_sphere_test(const struct rb_sphere *sphere, const struct r
 static inline bool rb_triangle_test(const struct rb_triangle *triangle, const struct rb_ray *ray,
                                     enum rb_sides sides, struct rb_hit *hit)
 {
+    RB_COUNT_RAYS(TRIANGLES, 1, 1);
     struct rb_vec v0 = rb_vec_of(triangle->v[0]);
     struct rb_vec e1 = rb_vec_sub(rb_vec_of(triangle->v[1]), v0);
     struct rb_vec e2 = rb_vec_sub(rb_vec_of(triangle->v[2]), v0);
@@ -171,6 +174,7 @@ static inline bool rb_triangle_test(const struct rb_triangle *triangle, const st
 static inline bool rb_cone_test(const struct rb_cone *cone, const struct rb_ray *ray,
                                 enum rb_sides sides, bool own, float *t)
 {
+    RB_COUNT_RAYS(CONES, 1, 1);
     struct rb_vec axis = rb_vec_of(cone->axis);
     float shift = own ? 0.0f : rb_dot(rb_vec_sub(rb_vec_of(cone->center), ray->o), ray->d);
     struct rb_vec o = rb_vec_sub(rb_vec_mad(ray->o, shift, ray->d), rb_vec_of(cone->base));
@@ -203,6 +207,7 @@ static inline bool rb_cone_test(const struct rb_cone *cone, const struct rb_ray 
 static inline bool rb_plane_test(const struct rb_plane *plane, const struct rb_ray *ray,
                                  enum rb_sides sides, float *t)
 {
+    RB_COUNT_RAYS(PLANES, 1, 1);
     struct rb_vec n = rb_vec_of(plane->normal);
     float facing = rb_dot(n, ray->d);
     *t = (plane->distance - rb_dot(n, ray->o)) / facing;
@@ -231,12 +236,22 @@ static inline bool rb_self_excluded(const struct rb_ray *ray, uint32_t id, bool 
     return id == ray->self && (planar || ray->sides == RB_SIDES_BOTH);
 }
 
+// One ray meets one bounded primitive.
+static inline void rb_count_primitive(size_t bytes)
+{
+    (void)bytes;
+    RB_COUNT_STEP(1, 1);
+    RB_COUNT_RAYS(BOXES, 1, 1);
+    RB_COUNT_BYTES(PRIMITIVE_BYTES, bytes);
+}
+
 // The three below test primitive `index` of its kind against its own box and then itself. On true
 // `hit` is complete and its t positive.
 static inline bool rb_sphere_hit(const struct rb_scene *scene, uint32_t index,
                                  const struct rb_ray *ray, struct rb_hit *hit)
 {
     const struct rb_sphere *sphere = &scene->spheres[index];
+    rb_count_primitive(sizeof *sphere);
     float low[3], high[3];
     rb_sphere_bounds(sphere, low, high);
     struct rb_interval range = rb_box(low, high, ray);
@@ -253,6 +268,7 @@ static inline bool rb_triangle_hit(const struct rb_scene *scene, uint32_t index,
                                    const struct rb_ray *ray, struct rb_hit *hit)
 {
     const struct rb_triangle *triangle = &scene->triangles[index];
+    rb_count_primitive(sizeof *triangle);
     float low[3], high[3];
     rb_triangle_bounds(triangle, low, high);
     struct rb_interval range = rb_box(low, high, ray);
@@ -268,6 +284,7 @@ static inline bool rb_cone_hit(const struct rb_scene *scene, uint32_t index,
                                const struct rb_ray *ray, struct rb_hit *hit)
 {
     const struct rb_cone *cone = &scene->cones[index];
+    rb_count_primitive(sizeof *cone);
     struct rb_interval range = rb_box(cone->low, cone->high, ray);
     if (!(range.near <= range.far))
         return false;
@@ -302,6 +319,8 @@ static inline bool rb_plane_hit(const struct rb_scene *scene, uint32_t index,
                                 const struct rb_ray *ray, struct rb_hit *hit)
 {
     *hit = (struct rb_hit){.prim = scene->first[RB_PLANE] + index};
+    RB_COUNT_STEP(1, 1);
+    RB_COUNT_BYTES(PRIMITIVE_BYTES, sizeof scene->planes[index]);
     return !rb_self_excluded(ray, hit->prim, true) &&
            rb_plane_test(&scene->planes[index], ray, rb_sides_of(scene, ray, hit->prim), &hit->t);
 }

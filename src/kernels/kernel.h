@@ -154,18 +154,29 @@ struct rb_kernels {
     rb_trace_shadow_fn *trace_shadow;
 };
 
-// The kernel sets, one per file.
-extern const struct rb_kernels rb_kernels_naive;
-extern const struct rb_kernels rb_kernels_bvh;
-extern const struct rb_kernels rb_kernels_packet_sse2; // one source, an object per instruction set;
-extern const struct rb_kernels rb_kernels_packet_avx2; // those of other processors are not linked
-extern const struct rb_kernels rb_kernels_packet_avx512;
-extern const struct rb_kernels rb_kernels_packet_neon;
+// Every file of kernels is compiled a second time, with -DRB_COUNTING (count.h). What it exports
+// then is called NAME_counted, so that both fit one program; RB_TWIN(NAME) is the one that belongs
+// to the file at hand.
+#ifdef RB_COUNTING
+#define RB_TWIN(name)  RB_TWIN_(name)
+#define RB_TWIN_(name) name##_counted
+#else
+#define RB_TWIN(name) name
+#endif
+
+// The kernel sets, one per file, and their twins.
+#define RB_KERNEL_SET(name) extern const struct rb_kernels name, name##_counted
+RB_KERNEL_SET(rb_kernels_naive);
+RB_KERNEL_SET(rb_kernels_bvh);
+RB_KERNEL_SET(rb_kernels_packet_sse2); // one source, an object per instruction set;
+RB_KERNEL_SET(rb_kernels_packet_avx2); // those of other processors are not linked
+RB_KERNEL_SET(rb_kernels_packet_avx512);
+RB_KERNEL_SET(rb_kernels_packet_neon);
 
 // The scalar bodies that sets without a better one share (scalar.c).
-rb_generate_fn rb_scalar_generate;
-rb_surface_fn rb_scalar_surface;
-rb_light_fn rb_scalar_light;
+rb_generate_fn rb_scalar_generate, rb_scalar_generate_counted;
+rb_surface_fn rb_scalar_surface, rb_scalar_surface_counted;
+rb_light_fn rb_scalar_light, rb_scalar_light_counted;
 
 // Fixed point: 2^32 units are 1.0, so sums hold values up to 2^31 with a resolution of 2.3e-10, a
 // 17 millionth of one step of an 8-bit image. A contribution is cut off at 2^25 over the number of

@@ -5,11 +5,11 @@
 static rb_trace_fn trace;
 static rb_trace_shadow_fn trace_shadow;
 
-const struct rb_kernels rb_kernels_naive = {
-    .generate = rb_scalar_generate,
+const struct rb_kernels RB_TWIN(rb_kernels_naive) = {
+    .generate = RB_TWIN(rb_scalar_generate),
     .trace = trace,
-    .surface = rb_scalar_surface,
-    .light = rb_scalar_light,
+    .surface = RB_TWIN(rb_scalar_surface),
+    .light = RB_TWIN(rb_scalar_light),
     .trace_shadow = trace_shadow,
 };
 
@@ -47,7 +47,9 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         struct rb_ray ray = rb_ray_load(rays, i, world->one_sided);
+        RB_COUNT_BEGIN(i);
         struct rb_hit hit = rb_ray_valid(&ray) ? closest(world->scene, &ray) : RB_MISS;
+        RB_COUNT_RAYS(HITS, hit.prim != RB_NONE, 1);
         rb_hit_store(hits, i, &hit);
     }
 }
@@ -56,6 +58,8 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
 {
     for (uint32_t i = 0; i < shadows->count; i++) {
         struct rb_ray ray = rb_shadow_load(shadows, i);
+        RB_COUNT_BEGIN(i);
         shadows->occluded[i] = rb_ray_valid(&ray) && any(world->scene, &ray, shadows->distance[i]);
+        RB_COUNT_RAYS(OCCLUDED, shadows->occluded[i], 1);
     }
 }

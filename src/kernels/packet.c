@@ -23,7 +23,7 @@
 static rb_trace_fn trace;
 static rb_trace_shadow_fn trace_shadow;
 
-const struct rb_kernels RB_PACKET = {
+const struct rb_kernels RB_TWIN(RB_PACKET) = {
     .generate = generate,
     .trace = trace,
     .surface = surface,
@@ -92,16 +92,27 @@ static inline struct interval box(const float low[3], const float high[3],
     return range;
 }
 
+// rb_count_primitive
+static inline void count_primitive(vint active, size_t bytes)
+{
+    (void)active, (void)bytes;
+    RB_COUNT_STEP(vi_bits(active), RB_LANES);
+    RB_COUNT_RAYS(BOXES, vi_bits(active), 1);
+    RB_COUNT_BYTES(PRIMITIVE_BYTES, bytes);
+}
+
 // rb_sphere_test, own box included, for rays that see both sides or what a negative radius leaves.
-static inline vint sphere_hit(const struct rb_sphere *sphere, const struct packet *packet, vint own,
-                              struct hits *hit)
+static inline vint sphere_hit(const struct rb_sphere *sphere, const struct packet *packet,
+                              vint active, vint own, struct hits *hit)
 {
     float low[3], high[3];
     rb_sphere_bounds(sphere, low, high);
     struct interval range = box(low, high, packet);
-    vint passes = range.near <= range.far;
+    vint passes = active & (range.near <= range.far);
+    count_primitive(active, sizeof *sphere);
     if (!vi_any(passes))
         return passes;
+    RB_COUNT_RAYS(SPHERES, vi_bits(passes), 1);
     struct vvec l = vv_sub(vv_set(sphere->center), packet->o);
     vfloat b = vv_dot(l, packet->d);
     struct vvec apart = vv_mad(l, -b, packet->d);
@@ -120,14 +131,16 @@ static inline vint sphere_hit(const struct rb_sphere *sphere, const struct packe
 
 // rb_triangle_test, own box included.
 static inline vint triangle_hit(const struct rb_triangle *triangle, const struct packet *packet,
-                                vint own, struct hits *hit)
+                                vint active, vint own, struct hits *hit)
 {
     float low[3], high[3];
     rb_triangle_bounds(triangle, low, high);
     struct interval range = box(low, high, packet);
-    vint passes = (range.near <= range.far) & ~own;
+    vint passes = active & (range.near <= range.far) & ~own;
+    count_primitive(active, sizeof *triangle);
     if (!vi_any(passes))
         return passes;
+    RB_COUNT_RAYS(TRIANGLES, vi_bits(passes), 1);
     struct rb_vec corner = rb_vec_of(triangle->v[0]);
     struct rb_vec edge1 = rb_vec_sub(rb_vec_of(triangle->v[1]), corner);
     struct rb_vec edge2 = rb_vec_sub(rb_vec_of(triangle->v[2]), corner);
@@ -162,10 +175,12 @@ static vint cone_hit(const struct rb_scene *scene, uint32_t index, const struct 
     for (int lane = 0; lane < RB_LANES; lane++) {
         struct rb_ray ray = packet_ray(packet, lane);
         struct rb_hit one;
+        RB_COUNT_LANE(lane);
         if (active[lane] && rb_cone_hit(scene, index, &ray, &one)) {
             found[lane] = -1;
             hit->t[lane] = one.t;
         }
+        RB_COUNT_LANE(-lane);
     }
     hit->u = hit->v = vf_set(0.0f);
     return found;
@@ -180,10 +195,11 @@ static inline vint primitive_hit(const struct rb_scene *scene, uint32_t id,
     hit->t = vf_set(0.0f);
     switch (rb_scene_kind(scene, id)) {
     case RB_SPHERE:
-        found = sphere_hit(&scene->spheres[id], packet, own, hit);
+        found = sphere_hit(&scene->spheres[id], packet, active, own, hit);
         break;
     case RB_TRIANGLE:
-        found = triangle_hit(&scene->triangles[id - scene->first[RB_TRIANGLE]], packet, own, hit);
+        found = triangle_hit(&scene->triangles[id - scene->first[RB_TRIANGLE]], packet, active, own,
+                             hit);
         break;
     default:
         found = cone_hit(scene, id - scene->first[RB_CONE], packet, active, hit);
@@ -194,10 +210,14 @@ static inline vint primitive_hit(const struct rb_scene *scene, uint32_t id,
 
 // rb_plane_hit
 static vint plane_hit(const struct rb_scene *scene, uint32_t index, const struct packet *packet,
-                      struct hits *hit)
+                      vint active, struct hits *hit)
 {
     const struct rb_plane *plane = &scene->planes[index];
     struct vvec n = vv_set(plane->normal);
+    RB_COUNT_STEP(vi_bits(active), RB_LANES);
+    RB_COUNT_RAYS(PLANES,
+                  vi_bits(active & (packet->self != vi_set(scene->first[RB_PLANE] + index))), 1);
+    RB_COUNT_BYTES(PRIMITIVE_BYTES, sizeof *plane);
     hit->prim = vi_set(scene->first[RB_PLANE] + index);
     hit->t = (plane->distance - vv_dot(n, packet->o)) / vv_dot(n, packet->d);
     hit->u = hit->v = vf_set(0.0f);
@@ -239,6 +259,10 @@ static inline int push_children(const struct rb_bvh_node *node, const struct pac
 {
     struct visit a = visit_child(node, 0, packet, limit, active);
     struct visit b = visit_child(node, 1, packet, limit, active);
+    RB_COUNT_STEP(vi_bits(active), RB_LANES);
+    RB_COUNT_RAYS(NODES, vi_bits(active), 1);
+    RB_COUNT_RAYS(BOXES, vi_bits(active), 2);
+    RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
     unsigned in_a = vi_bits(a.near < INFINITY), in_b = vi_bits(b.near < INFINITY);
     int a_first = __builtin_popcount(vi_bits(a.near < b.near));
     int b_first = __builtin_popcount(vi_bits(b.near < a.near));
@@ -248,6 +272,7 @@ static inline int push_children(const struct rb_bvh_node *node, const struct pac
         stack[depth++] = a;
     if (in_b && a_first < b_first)
         stack[depth++] = b;
+    RB_COUNT_DEPTH(depth);
     return depth;
 }
 
@@ -259,7 +284,7 @@ static struct hits closest(const struct rb_world *world, const struct packet *pa
     struct visit stack[RB_BVH_DEPTH_MAX + 2];
     int depth = 0;
     for (uint32_t i = 0; i < scene->count[RB_PLANE]; i++) {
-        vint found = active & plane_hit(scene, i, packet, &hit);
+        vint found = active & plane_hit(scene, i, packet, active, &hit);
         keep_closest(&best, &hit, found);
     }
     if (bvh->node_count)
@@ -271,6 +296,7 @@ static struct hits closest(const struct rb_world *world, const struct packet *pa
             continue;
         if (visit.count == 0)
             depth = push_children(&bvh->nodes[visit.child], packet, best.t, reached, stack, depth);
+        RB_COUNT_BYTES(TREE_BYTES, visit.count * sizeof *bvh->refs);
         for (uint32_t i = 0; i < visit.count; i++) {
             vint found = primitive_hit(scene, bvh->refs[visit.child + i], packet, reached, &hit);
             if (vi_any(found))
@@ -291,7 +317,7 @@ static vint any(const struct rb_world *world, const struct packet *packet, vfloa
     int depth = 0;
     vint open = active; // nothing found yet
     for (uint32_t i = 0; i < scene->count[RB_PLANE]; i++) {
-        vint found = plane_hit(scene, i, packet, &hit);
+        vint found = plane_hit(scene, i, packet, open, &hit);
         open &= ~(found & (hit.t < distance));
     }
     if (bvh->node_count)
@@ -304,6 +330,7 @@ static vint any(const struct rb_world *world, const struct packet *packet, vfloa
         if (visit.count == 0)
             depth =
                 push_children(&bvh->nodes[visit.child], packet, distance, reached, stack, depth);
+        RB_COUNT_BYTES(TREE_BYTES, visit.count * sizeof *bvh->refs);
         for (uint32_t i = 0; i < visit.count; i++) {
             vint found = primitive_hit(scene, bvh->refs[visit.child + i], packet, reached, &hit);
             open &= ~(found & (hit.t < distance));
@@ -316,7 +343,7 @@ static vint any(const struct rb_world *world, const struct packet *packet, vfloa
 static void trace(const struct rb_world *world, const struct rb_rays *rays, struct rb_hits *hits)
 {
     if (world->one_sided) {
-        rb_kernels_bvh.trace(world, rays, hits);
+        RB_TWIN(rb_kernels_bvh).trace(world, rays, hits);
         return;
     }
     for (uint32_t i = 0; i < rays->count; i += RB_LANES) {
@@ -324,7 +351,10 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
         struct vvec d = {vf_load(rays->dx + i), vf_load(rays->dy + i), vf_load(rays->dz + i)};
         struct packet packet = packet_make(o, d, vi_load(rays->self + i), false);
         vint active = vi_first(rays->count - i) & vv_finite(o) & vv_finite(d);
+        RB_COUNT_BEGIN(i);
         struct hits best = closest(world, &packet, active);
+        RB_COUNT_END(vi_bits(active));
+        RB_COUNT_RAYS(HITS, vi_bits(best.prim != vi_set(RB_NONE)), 1);
         vf_store(hits->t + i, best.t);
         vf_store(hits->u + i, best.u);
         vf_store(hits->v + i, best.v);
@@ -341,7 +371,10 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
                          vf_load(shadows->dz + i)};
         struct packet packet = packet_make(o, d, vi_load(shadows->self + i), true);
         vint active = vi_first(shadows->count - i) & vv_finite(o) & vv_finite(d);
+        RB_COUNT_BEGIN(i);
         unsigned occluded = vi_bits(any(world, &packet, vf_load(shadows->distance + i), active));
+        RB_COUNT_END(vi_bits(active));
+        RB_COUNT_RAYS(OCCLUDED, occluded, 1);
         for (uint32_t lane = 0; lane < RB_LANES && i + lane < shadows->count; lane++)
             shadows->occluded[i + lane] = occluded >> lane & 1;
     }

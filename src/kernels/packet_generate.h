@@ -31,6 +31,7 @@ static void generate_row(const struct rb_view *view, int x, int y, uint32_t coun
         WORDS(out->path, vi_set(1)),
         WORDS(out->self, vi_set(RB_NONE)),
     };
+    RB_COUNT_STEP(vi_bits(vi_first(count)), RB_LANES);
     APPEND(columns, out->count, vi_bits(vi_first(count)));
     memset(out->media + out->count, 0, count * sizeof *out->media);
     out->count += count;

@@ -78,9 +78,11 @@ static unsigned shadowed_by_self(const struct rb_scene *scene, const struct rb_s
     for (unsigned rest = facing & inside; rest; rest &= rest - 1) {
         int lane = __builtin_ctz(rest);
         uint32_t k = i + (uint32_t)lane;
+        RB_COUNT_LANE(lane);
         if (rb_shadows_itself(scene, surfaces->prim[k], lane_vec(p, lane), lane_vec(l, lane),
                               distance[lane]))
             shadowed |= 1u << lane;
+        RB_COUNT_LANE(-lane);
     }
     return shadowed;
 }
@@ -104,7 +106,10 @@ static void light(const struct rb_world *world, const struct rb_shading *shading
         struct vvec l = {to_light.x * scale, to_light.y * scale, to_light.z * scale};
         vfloat cosine = vv_dot(n, l);
         unsigned lit = vi_bits(there & (cosine > 0.0f));
+        RB_COUNT_BEGIN(i);
+        RB_COUNT_RAYS(SHADINGS, vi_bits(there), 1);
         lit &= ~shadowed_by_self(scene, surfaces, i, p, l, distance, lit);
+        RB_COUNT_STEP(lit, RB_LANES);
         if (!lit)
             continue;
         struct materials m = gather_materials(scene, index, there);

@@ -221,6 +221,7 @@ static void surface(const struct rb_world *world, const struct rb_shading *shadi
         s.prim = vi_load(hits->prim + i);
         vint there = vi_first(rays->count - i), met = there & (s.prim != vi_set(RB_NONE));
         unsigned bits = vi_bits(met);
+        RB_COUNT_STEP(bits, RB_LANES);
         struct points points = points_of_hits(scene, o, d, hits, i, met);
         for (unsigned rest = bits; rest; rest &= rest - 1) {
             int lane = __builtin_ctz(rest);

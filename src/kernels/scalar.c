@@ -25,9 +25,11 @@ static void generate_ray(const struct rb_view *view, int x, int y, uint32_t samp
     out->path[i] = 1;
     out->self[i] = RB_NONE;
     out->media[i] = 0;
+    RB_COUNT_STEP(1, 1);
 }
 
-void rb_scalar_generate(const struct rb_view *view, const struct rb_span *span, struct rb_rays *out)
+void RB_TWIN(rb_scalar_generate)(const struct rb_view *view, const struct rb_span *span,
+                                 struct rb_rays *out)
 {
     for (int by = span->y0; by < span->y1; by += RB_BLOCK)
         for (int bx = span->x0; bx < span->x1; bx += RB_BLOCK)
@@ -114,14 +116,15 @@ static void spawn(const struct rb_scene *scene, const struct surface *surface,
                          crossing.media);
 }
 
-void rb_scalar_surface(const struct rb_world *world, const struct rb_shading *shading,
-                       const struct rb_rays *rays, const struct rb_hits *hits,
-                       struct rb_surfaces *surfaces, struct rb_rays *reflected,
-                       struct rb_rays *refracted, struct rb_film *film)
+void RB_TWIN(rb_scalar_surface)(const struct rb_world *world, const struct rb_shading *shading,
+                                const struct rb_rays *rays, const struct rb_hits *hits,
+                                struct rb_surfaces *surfaces, struct rb_rays *reflected,
+                                struct rb_rays *refracted, struct rb_film *film)
 {
     const struct rb_scene *scene = world->scene;
     for (uint32_t i = 0; i < rays->count; i++) {
         float weight = rays->weight[i];
+        RB_COUNT_STEP(hits->prim[i] != RB_NONE, 1);
         if (hits->prim[i] == RB_NONE) {
             rb_film_add_scaled(film, rays->pixel[i], weight, scene->background);
             continue;
@@ -171,10 +174,15 @@ static void light_surface(const struct rb_scene *scene, const struct rb_shading 
     out->self[k] = surfaces->prim[i];
 }
 
-void rb_scalar_light(const struct rb_world *world, const struct rb_shading *shading,
-                     const struct rb_surfaces *surfaces, const struct rb_light_sample *sample,
-                     struct rb_shadows *shadows)
+void RB_TWIN(rb_scalar_light)(const struct rb_world *world, const struct rb_shading *shading,
+                              const struct rb_surfaces *surfaces,
+                              const struct rb_light_sample *sample, struct rb_shadows *shadows)
 {
-    for (uint32_t i = 0; i < surfaces->count; i++)
+    for (uint32_t i = 0; i < surfaces->count; i++) {
+        uint32_t lit = shadows->count;
+        RB_COUNT_BEGIN(i);
+        RB_COUNT_RAYS(SHADINGS, 1, 1);
         light_surface(world->scene, shading, surfaces, i, sample, shadows);
+        RB_COUNT_STEP(shadows->count - lit, 1);
+    }
 }

@@ -3,7 +3,7 @@
 #ifndef RB_RENDER_FRAME_H
 #define RB_RENDER_FRAME_H
 
-#include "measure/probe.h"
+#include "render/counted.h"
 #include "render/queues.h"
 #include "render/settings.h"
 #include "render/variants.h"
@@ -26,6 +26,9 @@ struct rb_frame {
     enum rb_stage slow_stage;
     double slow_share;
     uint32_t simulate_from; // index into `tiles`; 0: never
+    bool count;
+    uint32_t heat_of;
+    uint64_t *heat, *tile_ticks;
     void (*progress)(void *user, uint32_t done, uint32_t total);
     void *user;
     atomic_uint next_tile, tiles_done;
@@ -36,6 +39,7 @@ struct rb_worker {
     struct rb_frame *frame;
     struct rb_queues queues;
     struct rb_recorder recorder;
+    struct rb_count_table counts;
     uint64_t hits_hash; // sum over all rays, so that their order cannot matter
     uint32_t sample;    // AA sample in the making
     bool reports;       // calls frame->progress

@@ -11,6 +11,16 @@
 #include "measure/simulate.h"
 #include "render/frame.h"
 
+// Of the counts of a stage, what its rays have cost their pixels.
+static void heat(struct rb_worker *worker, const uint32_t *pixel, uint32_t count)
+{
+    uint32_t *cost = worker->queues.cost;
+    for (uint32_t i = 0; i < count && worker->frame->heat; i++) {
+        worker->frame->heat[pixel[i]] += cost[i];
+        cost[i] = 0;
+    }
+}
+
 // Ends a stage; the one that a test wants slower takes its share longer.
 static void lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint64_t rays)
 {
@@ -20,6 +30,8 @@ static void lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint6
     rb_probe_lap(&worker->recorder, stage, bounce, rays);
     if (frame->simulate_from)
         rb_simulate_lap(stage, bounce, rays);
+    if (frame->count)
+        rb_counts_take(&worker->counts.at[stage][bounce]);
 }
 
 static uint64_t hash_hits(const struct rb_rays *rays, const struct rb_hits *hits, uint32_t sample)
@@ -49,6 +61,7 @@ static void flush_shadows(struct rb_worker *worker, int bounce)
         return;
     frame->kernels->trace_shadow(&frame->world, shadows);
     lap(worker, RB_STAGE_TRACE_SHADOW, bounce, shadows->count);
+    heat(worker, shadows->pixel, shadows->count);
     resolve_shadows(&frame->film, shadows);
     shadows->count = 0;
     lap(worker, RB_STAGE_RESOLVE, bounce, 0);
@@ -67,6 +80,7 @@ static void light_surfaces(struct rb_worker *worker, int bounce)
                 flush_shadows(worker, bounce);
             frame->kernels->light(&frame->world, &frame->shading, surfaces, &sample, shadows);
             lap(worker, RB_STAGE_SHADE, bounce, 0);
+            heat(worker, surfaces->pixel, surfaces->count);
         }
     }
     flush_shadows(worker, bounce);
@@ -92,6 +106,7 @@ static void trace_batch(struct rb_worker *worker, int bounce, uint32_t first, ui
 
     frame->kernels->trace(&frame->world, &rays, &queues->hits);
     lap(worker, RB_STAGE_TRACE, bounce, count);
+    heat(worker, rays.pixel, count);
     if (frame->hash_hits) {
         worker->hits_hash += hash_hits(&rays, &queues->hits, worker->sample);
         rb_probe_start(&worker->recorder); // hashing is no part of a frame
@@ -167,6 +182,8 @@ void rb_worker_run(struct rb_worker *worker)
     struct rb_frame *frame = worker->frame;
     fenv_t saved;
     rb_fpenv_enter(&saved);
+    rb_counting.cost = frame->heat ? worker->queues.cost : NULL;
+    rb_counting.chosen = frame->heat_of;
     rb_probe_start(&worker->recorder);
     for (;;) {
         uint32_t next = atomic_fetch_add(&frame->next_tile, 1);
@@ -174,7 +191,11 @@ void rb_worker_run(struct rb_worker *worker)
             break;
         if (frame->simulate_from && next == frame->simulate_from)
             begin_simulation(worker);
-        render_tile(worker, frame->tiles ? frame->tiles[next] : next);
+        uint32_t tile = frame->tiles ? frame->tiles[next] : next;
+        uint64_t start = worker->recorder.last;
+        render_tile(worker, tile);
+        if (frame->tile_ticks)
+            frame->tile_ticks[tile] = worker->recorder.last - start;
         uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
         if (frame->progress && worker->reports)
             frame->progress(frame->user, done, frame->tile_count);

@@ -84,6 +84,8 @@ static size_t place_all(char *memory, struct rb_queues *queues, int depth)
     used += place_hits(memory ? memory + used : NULL, &queues->hits, batch);
     used += place_surfaces(memory ? memory + used : NULL, &queues->surfaces, batch);
     used += place_shadows(memory ? memory + used : NULL, &queues->shadows, SHADOW_BATCHES * batch);
+    const struct member cost[] = {MEMBER(queues->cost)};
+    used += place(memory ? memory + used : NULL, cost, 1, SHADOW_BATCHES * batch);
     return used;
 }
 

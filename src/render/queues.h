@@ -18,6 +18,7 @@ struct rb_queues {
     struct rb_hits hits;
     struct rb_surfaces surfaces;
     struct rb_shadows shadows;
+    uint32_t *cost; // of each ray of a queue, where costs are asked for; zero between two stages
     void *memory;
     size_t bytes;
 };

@@ -58,7 +58,6 @@ static enum rb_status prepare(struct rb_renderer *renderer, struct rb_error *err
     enum rb_status status = rb_settings_complete(&frame->settings, scene, error);
     if (status)
         return status;
-    frame->kernels = renderer->variant->kernels;
     frame->world.one_sided = frame->settings.spd;
     frame->view = rb_view_make(scene, &frame->settings);
     frame->shading = rb_shading_make(scene, &frame->settings);
@@ -130,6 +129,13 @@ void rb_film_clear(struct rb_film *film)
     memset(film->rgb, 0, 3 * sizeof *film->rgb * (size_t)film->width * (size_t)film->height);
 }
 
+static void add_counts(struct rb_count_table *to, const struct rb_count_table *from)
+{
+    for (int stage = 0; stage < RB_STAGE_COUNT; stage++)
+        for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
+            rb_counts_add(&to->at[stage][bounce], &from->at[stage][bounce]);
+}
+
 void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *options,
                      struct rb_run_result *result)
 {
@@ -142,6 +148,11 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     frame->slow_stage = options->slow_stage;
     frame->slow_share = options->slow_share;
     frame->simulate_from = options->simulate_from;
+    frame->kernels = options->counts ? renderer->variant->counted : renderer->variant->kernels;
+    frame->count = options->counts != NULL;
+    frame->heat = options->heat;
+    frame->heat_of = options->heat_of;
+    frame->tile_ticks = options->tile_ticks;
     frame->progress = options->progress;
     frame->user = options->user;
     atomic_store(&frame->next_tile, 0);
@@ -149,6 +160,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     int count = worker_count(renderer);
     for (int i = 0; i < count; i++) {
         renderer->workers[i].recorder = (struct rb_recorder){0};
+        renderer->workers[i].counts = (struct rb_count_table){0};
         renderer->workers[i].hits_hash = 0;
     }
     rb_film_clear(&frame->film);
@@ -166,6 +178,8 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
         result->busy_max_ticks = busy > result->busy_max_ticks ? busy : result->busy_max_ticks;
         rb_recorder_add(&result->recorder, &renderer->workers[i].recorder);
         result->hits_hash += renderer->workers[i].hits_hash;
+        if (options->counts)
+            add_counts(options->counts, &renderer->workers[i].counts);
     }
     result->image_hash = image_hash(frame);
     rb_fpenv_leave(&saved);

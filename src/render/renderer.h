@@ -12,7 +12,7 @@
 #define RB_RENDER_RENDERER_H
 
 #include "base/vec.h"
-#include "measure/probe.h"
+#include "render/counted.h"
 #include "render/settings.h"
 #include "render/variants.h"
 
@@ -29,6 +29,14 @@ struct rb_run_options {
     const uint32_t *tiles; // indices of the tiles to render; NULL for the whole frame
     uint32_t tile_count;
     bool hash_hits; // costs time
+    // Not NULL: the twins of the row's kernels run, and what they count is added here. Times are
+    // meaningless then. The row must have twins (rb_variant.counted).
+    struct rb_count_table *counts;
+    // With `counts`: not NULL and zeroed by the caller, one element per pixel: what the counters of
+    // `heat_of` (bit c: counter c) count is added to the pixel whose ray it was for.
+    uint64_t *heat;
+    uint32_t heat_of;
+    uint64_t *tile_ticks; // not NULL: the time each tile took, by its index
     // A test's wish: the stage takes this share longer, spinning. 0: no.
     enum rb_stage slow_stage;
     double slow_share;

@@ -8,15 +8,17 @@
 #define OPENMP  "OpenMP"
 #define PACKETS "packet-*"
 
+#define KERNELS(set) .kernels = &(set), .counted = &set##_counted
+
 #ifdef __x86_64__
-#define X86(kernels)  (&(kernels))
-#define NEON(kernels) NULL
+#define X86(set)  KERNELS(set)
+#define NEON(set) .kernels = NULL
 #elif defined(__aarch64__)
-#define X86(kernels)  NULL
-#define NEON(kernels) (&(kernels))
+#define X86(set)  .kernels = NULL
+#define NEON(set) KERNELS(set)
 #else
-#define X86(kernels)  NULL
-#define NEON(kernels) NULL
+#define X86(set)  .kernels = NULL
+#define NEON(set) .kernels = NULL
 #endif
 
 const struct rb_variant rb_variants[] = {
@@ -24,7 +26,7 @@ const struct rb_variant rb_variants[] = {
         .name = "naive",
         .summary = "scalar reference: every ray against every primitive",
         .baseline = "naive",
-        .kernels = &rb_kernels_naive,
+        KERNELS(rb_kernels_naive),
         .accelerator = RB_ACCEL_NONE,
         .schedule = rb_schedule_serial,
         .needs = "",
@@ -34,7 +36,7 @@ const struct rb_variant rb_variants[] = {
         .name = "naive+omp",
         .summary = "naive, tiles shared among threads",
         .baseline = "naive",
-        .kernels = &rb_kernels_naive,
+        KERNELS(rb_kernels_naive),
         .accelerator = RB_ACCEL_NONE,
         .schedule = rb_schedule_openmp,
         .needs = OPENMP,
@@ -44,7 +46,7 @@ const struct rb_variant rb_variants[] = {
         .name = "bvh",
         .summary = "scalar binary BVH, binned SAH, one ray at a time",
         .baseline = "naive",
-        .kernels = &rb_kernels_bvh,
+        KERNELS(rb_kernels_bvh),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_serial,
         .needs = "",
@@ -54,7 +56,7 @@ const struct rb_variant rb_variants[] = {
         .name = "bvh+omp",
         .summary = "bvh, tiles shared among threads",
         .baseline = "bvh",
-        .kernels = &rb_kernels_bvh,
+        KERNELS(rb_kernels_bvh),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_openmp,
         .needs = OPENMP,
@@ -64,7 +66,7 @@ const struct rb_variant rb_variants[] = {
         .name = "packet-sse2",
         .summary = "packets of 4 rays through the binary BVH",
         .baseline = "bvh",
-        .kernels = X86(rb_kernels_packet_sse2),
+        X86(rb_kernels_packet_sse2),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_serial,
         .needs = "sse2",
@@ -74,7 +76,7 @@ const struct rb_variant rb_variants[] = {
         .name = "packet-sse2+omp",
         .summary = "packet-sse2, tiles shared among threads",
         .baseline = "packet-sse2",
-        .kernels = X86(rb_kernels_packet_sse2),
+        X86(rb_kernels_packet_sse2),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_openmp,
         .needs = "sse2," OPENMP,
@@ -84,7 +86,7 @@ const struct rb_variant rb_variants[] = {
         .name = "packet-neon",
         .summary = "packets of 4 rays through the binary BVH",
         .baseline = "bvh",
-        .kernels = NEON(rb_kernels_packet_neon),
+        NEON(rb_kernels_packet_neon),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_serial,
         .needs = "neon",
@@ -94,7 +96,7 @@ const struct rb_variant rb_variants[] = {
         .name = "packet-neon+omp",
         .summary = "packet-neon, tiles shared among threads",
         .baseline = "packet-neon",
-        .kernels = NEON(rb_kernels_packet_neon),
+        NEON(rb_kernels_packet_neon),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_openmp,
         .needs = "neon," OPENMP,
@@ -104,7 +106,7 @@ const struct rb_variant rb_variants[] = {
         .name = "packet-avx2",
         .summary = "packets of 8 rays through the binary BVH",
         .baseline = "bvh",
-        .kernels = X86(rb_kernels_packet_avx2),
+        X86(rb_kernels_packet_avx2),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_serial,
         .needs = "avx2",
@@ -114,7 +116,7 @@ const struct rb_variant rb_variants[] = {
         .name = "packet-avx2+omp",
         .summary = "packet-avx2, tiles shared among threads",
         .baseline = "packet-avx2",
-        .kernels = X86(rb_kernels_packet_avx2),
+        X86(rb_kernels_packet_avx2),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_openmp,
         .needs = "avx2," OPENMP,
@@ -124,7 +126,7 @@ const struct rb_variant rb_variants[] = {
         .name = "packet-avx512",
         .summary = "packets of 16 rays through the binary BVH",
         .baseline = "bvh",
-        .kernels = X86(rb_kernels_packet_avx512),
+        X86(rb_kernels_packet_avx512),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_serial,
         .needs = "avx512f",
@@ -134,7 +136,7 @@ const struct rb_variant rb_variants[] = {
         .name = "packet-avx512+omp",
         .summary = "packet-avx512, tiles shared among threads",
         .baseline = "packet-avx512",
-        .kernels = X86(rb_kernels_packet_avx512),
+        X86(rb_kernels_packet_avx512),
         .accelerator = RB_ACCEL_BVH,
         .schedule = rb_schedule_openmp,
         .needs = "avx512f," OPENMP,

@@ -33,6 +33,7 @@ struct rb_variant {
     // Not NULL: the row stands for the last available row with such a name ("packet-*") and the
     // same schedule; kernels is NULL then.
     const char *best_of;
+    const struct rb_kernels *counted; // the twin of `kernels` that counts (kernels/count.h)
 };
 
 extern const struct rb_variant rb_variants[];

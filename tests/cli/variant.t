@@ -14,23 +14,24 @@ cat >"$tmp/src/kernels/dummy.c" <<'END'
 static rb_trace_fn trace;
 static rb_trace_shadow_fn trace_shadow;
 
-const struct rb_kernels rb_kernels_dummy = {rb_scalar_generate, trace, rb_scalar_surface,
-                                            rb_scalar_light, trace_shadow};
+const struct rb_kernels RB_TWIN(rb_kernels_dummy) = {
+    RB_TWIN(rb_scalar_generate), trace, RB_TWIN(rb_scalar_surface), RB_TWIN(rb_scalar_light),
+    trace_shadow};
 
 static void trace(const struct rb_world *world, const struct rb_rays *rays, struct rb_hits *hits)
 {
-    rb_kernels_bvh.trace(world, rays, hits);
+    RB_TWIN(rb_kernels_bvh).trace(world, rays, hits);
 }
 
 static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadows)
 {
-    rb_kernels_bvh.trace_shadow(world, shadows);
+    RB_TWIN(rb_kernels_bvh).trace_shadow(world, shadows);
 }
 
 static void trace_almost(const struct rb_world *world, const struct rb_rays *rays,
                          struct rb_hits *hits)
 {
-    rb_kernels_bvh.trace(world, rays, hits);
+    RB_TWIN(rb_kernels_bvh).trace(world, rays, hits);
     for (uint32_t i = 0; i < rays->count; i++)
         if (rays->pixel[i] % 100 == 99 && hits->prim[i] != RB_NONE)
             hits->t[i] = nextafterf(hits->t[i], 0.0f);
@@ -38,23 +39,26 @@ static void trace_almost(const struct rb_world *world, const struct rb_rays *ray
 
 static void shadow_almost(const struct rb_world *world, struct rb_shadows *shadows)
 {
-    rb_kernels_bvh.trace_shadow(world, shadows);
+    RB_TWIN(rb_kernels_bvh).trace_shadow(world, shadows);
     for (uint32_t i = 0; i < shadows->count; i++)
         shadows->occluded[i] ^= shadows->pixel[i] % 100 == 99;
 }
 
-const struct rb_kernels rb_kernels_wrong = {rb_scalar_generate, trace_almost, rb_scalar_surface,
-                                            rb_scalar_light, trace_shadow};
-const struct rb_kernels rb_kernels_dark = {rb_scalar_generate, trace, rb_scalar_surface,
-                                           rb_scalar_light, shadow_almost};
+const struct rb_kernels RB_TWIN(rb_kernels_wrong) = {
+    rb_scalar_generate, trace_almost, rb_scalar_surface, rb_scalar_light, trace_shadow};
+const struct rb_kernels RB_TWIN(rb_kernels_dark) = {
+    rb_scalar_generate, trace, rb_scalar_surface, rb_scalar_light, shadow_almost};
 END
-declaration='extern const struct rb_kernels rb_kernels_dummy, rb_kernels_wrong, rb_kernels_dark;'
+declaration=
+for name in dummy wrong dark; do
+    declaration="${declaration}RB_KERNEL_SET(rb_kernels_$name);\\n"
+done
 rows=
 for name in dummy wrong dark; do
     rows="$rows{\"$name\", \"-\", \"bvh\", \\&rb_kernels_$name, RB_ACCEL_BVH, rb_schedule_serial,"
-    rows="$rows \"\", true, 0},\\n"
+    rows="$rows \"\", true, 0, \\&rb_kernels_${name}_counted},\\n"
 done
-sed -i "s/^extern const struct rb_kernels rb_kernels_bvh;/&\n$declaration/" \
+sed -i "s/^RB_KERNEL_SET(rb_kernels_bvh);/&\n$declaration/" \
     "$tmp/src/kernels/kernel.h"
 sed -i "s/^    {.name = NULL},/    $rows&/" "$tmp/src/render/variants.c"
 env -u MAKEFLAGS -u MAKEOVERRIDES make -s -C "$tmp" -j 2 CONFIG=release SANITIZE= OPT=-O1 all \
