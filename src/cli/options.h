@@ -30,6 +30,9 @@ struct rb_bench_arguments {
     const char *classes; // of rays, to record
     int bounce;          // to replay
     bool list;
+    const char *measure; // what: a list
+    bool count;
+    const char *heatmap;
     const char *l1, *ll; // of a simulation, as the next one
     int simulate_tiles;
 };
