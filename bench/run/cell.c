@@ -154,6 +154,25 @@ static double place_ns_per_ray(const struct rb_sample *sample, const void *what)
     return rb_sample_has_stages(sample) && rays > 0 ? place_ns(sample, what) / rays : (double)NAN;
 }
 
+size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int bounce,
+                           double *times)
+{
+    const struct place place = {stage, bounce};
+    const struct rb_sample *samples = cell->samples;
+    size_t n = 0;
+    if (!rb_cell_has_time(cell) || isnan(place_ns_per_ray(&samples[0], &place)))
+        return 0;
+    for (size_t first = 0, end = 0; first < cell->sample_count; first = end) {
+        double values[RB_REPETITIONS_MAX];
+        size_t count = 0;
+        for (; end < cell->sample_count && samples[end].process == samples[first].process; end++)
+            if (count < RB_REPETITIONS_MAX)
+                values[count++] = place_ns_per_ray(&samples[end], &place);
+        times[n++] = rb_stats_quantile_lower(values, count, 0.1);
+    }
+    return n;
+}
+
 static double busy_ns(const struct rb_sample *sample, const void *what)
 {
     (void)what;

@@ -58,6 +58,12 @@ struct rb_figure {
 
 // The figures all tables show, in ns. Thread time is that of all threads together.
 struct rb_figure rb_cell_ns_per_ray(const struct rb_cell *cell, enum rb_stage stage, int bounce);
+
+// ns per ray of each process, for comparing: the 10th percentile of its repetitions, which is what
+// `raybench compare` compares. `times` has room for one per sample. Returns how many there are.
+size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int bounce,
+                           double *times);
+
 struct rb_figure rb_cell_frame_ns(const struct rb_cell *cell); // wall time
 struct rb_figure rb_cell_build_ns(const struct rb_cell *cell);
 double rb_cell_busy_ns(const struct rb_cell *cell); // thread time of a frame

@@ -3,6 +3,9 @@
 #include "bench/compare/compare.h"
 #include "bench/export/export.h"
 #include "bench/machine/doctor.h"
+#include "bench/replay/record.h"
+#include "bench/replay/replay.h"
+#include "bench/replay/replay_worker.h"
 #include "bench/run/bench.h"
 #include "bench/run/simulate_command.h"
 #include "bench/run/worker.h"
@@ -26,9 +29,12 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_compare,
     &rb_command_export,
     &rb_command_table,
+    &rb_command_record,
+    &rb_command_replay,
     &rb_command_doctor,
     &rb_command_completions,
     &rb_command_man,
     &rb_command_worker,
+    &rb_command_replay_worker,
     NULL,
 };

@@ -27,6 +27,9 @@ struct rb_bench_arguments {
     double level, threshold_pct;
     bool bounces, gate;
     const char *format;  // of an export
+    const char *classes; // of rays, to record
+    int bounce;          // to replay
+    bool list;
     const char *l1, *ll; // of a simulation, as the next one
     int simulate_tiles;
 };

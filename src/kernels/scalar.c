@@ -38,51 +38,19 @@ void RB_TWIN(rb_scalar_generate)(const struct rb_view *view, const struct rb_spa
                     generate_ray(view, x, y, span->sample, out);
 }
 
-// What ray i met, as the secondary rays need it.
-struct surface {
-    const struct rb_material *material;
-    struct rb_vec d, n;      // ray direction; shading normal turned against it
-    struct rb_vec near, far; // starting points on the viewer's side and on the other side
-    uint32_t prim;
-    bool entering;
-};
-
-static struct surface surface_of_hit(const struct rb_scene *scene, const struct rb_rays *rays,
-                                     const struct rb_hits *hits, uint32_t i)
-{
-    struct rb_vec o = {rays->ox[i], rays->oy[i], rays->oz[i]};
-    struct rb_vec d = {rays->dx[i], rays->dy[i], rays->dz[i]};
-    struct rb_hit hit = {hits->t[i], hits->u[i], hits->v[i], hits->prim[i]};
-    struct rb_point point = rb_point_of_hit(scene, o, d, &hit);
-    struct rb_vec side = rb_turned(point.geometric, d);
-    const struct rb_material *material = &scene->materials[scene->material_of[hit.prim]];
-    bool entering = rb_dot(d, point.geometric) < 0.0f;
-    float near_offset = point.curved && !entering ? 0.0f : point.offset;
-    float far_offset = point.curved ? 0.0f : point.offset;
-    return (struct surface){
-        .material = material,
-        .d = d,
-        .n = rb_turned(point.shading, d),
-        .near = rb_vec_mad(point.p, near_offset, side),
-        .far = rb_vec_mad(point.p, -far_offset, side),
-        .prim = hit.prim,
-        .entering = entering,
-    };
-}
-
-static void append_surface(struct rb_surfaces *out, const struct surface *surface,
+static void append_surface(struct rb_surfaces *out, const struct rb_contact *contact,
                            const struct rb_scene *scene, const struct rb_rays *rays, uint32_t ray)
 {
     uint32_t i = out->count++;
-    out->px[i] = surface->near.x, out->py[i] = surface->near.y, out->pz[i] = surface->near.z;
-    out->nx[i] = surface->n.x, out->ny[i] = surface->n.y, out->nz[i] = surface->n.z;
-    out->vx[i] = -surface->d.x, out->vy[i] = -surface->d.y, out->vz[i] = -surface->d.z;
+    out->px[i] = contact->near.x, out->py[i] = contact->near.y, out->pz[i] = contact->near.z;
+    out->nx[i] = contact->n.x, out->ny[i] = contact->n.y, out->nz[i] = contact->n.z;
+    out->vx[i] = -contact->d.x, out->vy[i] = -contact->d.y, out->vz[i] = -contact->d.z;
     out->weight[i] = rays->weight[ray];
     out->pixel[i] = rays->pixel[ray];
     out->path[i] = rays->path[ray];
-    out->prim[i] = surface->prim;
-    out->material[i] = scene->material_of[surface->prim];
-    out->inside[i] = !surface->entering;
+    out->prim[i] = contact->prim;
+    out->material[i] = scene->material_of[contact->prim];
+    out->inside[i] = !contact->entering;
 }
 
 // Path index of a child: 2p for the reflected, 2p + 1 for the refracted ray.
@@ -98,21 +66,21 @@ static void append_secondary(struct rb_rays *out, struct rb_vec o, struct rb_vec
     out->media[i] = media;
 }
 
-static void spawn(const struct rb_scene *scene, const struct surface *surface,
+static void spawn(const struct rb_scene *scene, const struct rb_contact *contact,
                   const struct rb_rays *rays, uint32_t i, struct rb_rays *reflected,
                   struct rb_rays *refracted)
 {
-    const struct rb_material *material = surface->material;
+    const struct rb_material *material = contact->material;
     if (material->ks > 0.0f || material->t > 0.0f)
-        append_secondary(reflected, surface->near, rb_reflect(surface->d, surface->n), material->ks,
-                         rays, i, 0, surface->prim, rays->media[i]);
+        append_secondary(reflected, contact->near, rb_reflect(contact->d, contact->n), material->ks,
+                         rays, i, 0, contact->prim, rays->media[i]);
     if (!(material->t > 0.0f))
         return;
     struct rb_crossing crossing =
-        rb_media_cross(scene, material, rays->media[i], surface->entering);
+        rb_media_cross(scene, material, rays->media[i], contact->entering);
     struct rb_vec d;
-    if (rb_refract(surface->d, surface->n, crossing.from, crossing.to, &d))
-        append_secondary(refracted, surface->far, d, material->t, rays, i, 1, surface->prim,
+    if (rb_refract(contact->d, contact->n, crossing.from, crossing.to, &d))
+        append_secondary(refracted, contact->far, d, material->t, rays, i, 1, contact->prim,
                          crossing.media);
 }
 
@@ -129,14 +97,14 @@ void RB_TWIN(rb_scalar_surface)(const struct rb_world *world, const struct rb_sh
             rb_film_add_scaled(film, rays->pixel[i], weight, scene->background);
             continue;
         }
-        struct surface surface = surface_of_hit(scene, rays, hits, i);
-        append_surface(surfaces, &surface, scene, rays, i);
+        struct rb_contact contact = rb_contact_of_hit(scene, rays, hits, i);
+        append_surface(surfaces, &contact, scene, rays, i);
         if (shading->ambient != 0.0f) {
-            float ambient = weight * (shading->ambient * surface.material->kd);
-            rb_film_add_scaled(film, rays->pixel[i], ambient, surface.material->color);
+            float ambient = weight * (shading->ambient * contact.material->kd);
+            rb_film_add_scaled(film, rays->pixel[i], ambient, contact.material->color);
         }
         if (reflected)
-            spawn(scene, &surface, rays, i, reflected, refracted);
+            spawn(scene, &contact, rays, i, reflected, refracted);
     }
 }
 

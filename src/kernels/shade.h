@@ -124,6 +124,39 @@ static inline struct rb_vec rb_turned(struct rb_vec n, struct rb_vec d)
     return rb_dot(n, d) > 0.0f ? rb_vec_neg(n) : n;
 }
 
+// Where a ray met a surface, as its secondary rays need it.
+struct rb_contact {
+    const struct rb_material *material;
+    struct rb_vec d, n;      // ray direction; shading normal turned against it
+    struct rb_vec near, far; // starting points on the viewer's side and on the other side
+    uint32_t prim;
+    bool entering;
+};
+
+// Of ray i, which hit something.
+static inline struct rb_contact rb_contact_of_hit(const struct rb_scene *scene,
+                                                  const struct rb_rays *rays,
+                                                  const struct rb_hits *hits, uint32_t i)
+{
+    struct rb_vec o = {rays->ox[i], rays->oy[i], rays->oz[i]};
+    struct rb_vec d = {rays->dx[i], rays->dy[i], rays->dz[i]};
+    struct rb_hit hit = {hits->t[i], hits->u[i], hits->v[i], hits->prim[i]};
+    struct rb_point point = rb_point_of_hit(scene, o, d, &hit);
+    struct rb_vec side = rb_turned(point.geometric, d);
+    bool entering = rb_dot(d, point.geometric) < 0.0f;
+    float near_offset = point.curved && !entering ? 0.0f : point.offset;
+    float far_offset = point.curved ? 0.0f : point.offset;
+    return (struct rb_contact){
+        .material = &scene->materials[scene->material_of[hit.prim]],
+        .d = d,
+        .n = rb_turned(point.shading, d),
+        .near = rb_vec_mad(point.p, near_offset, side),
+        .far = rb_vec_mad(point.p, -far_offset, side),
+        .prim = hit.prim,
+        .entering = entering,
+    };
+}
+
 // The media stack: 16-bit indices into scene.media, the innermost in the lowest bits. A fifth
 // medium pushes the outermost out.
 static inline uint64_t rb_media_enter(uint64_t stack, uint32_t medium)

@@ -5,6 +5,8 @@
 
 #include "render/counted.h"
 #include "render/queues.h"
+#include "render/renderer.h"
+#include "render/replay.h"
 #include "render/settings.h"
 #include "render/variants.h"
 
@@ -23,6 +25,8 @@ struct rb_frame {
     const uint32_t *tiles; // indices of the tiles to render, or NULL for all
     uint32_t tile_count;
     bool hash_hits;
+    const struct rb_observer *observer; // may be NULL
+    const struct rb_replay *replay;     // instead of tiles; may be NULL
     enum rb_stage slow_stage;
     double slow_share;
     uint32_t simulate_from; // index into `tiles`; 0: never
@@ -40,12 +44,31 @@ struct rb_worker {
     struct rb_queues queues;
     struct rb_recorder recorder;
     struct rb_count_table counts;
-    uint64_t hits_hash; // sum over all rays, so that their order cannot matter
-    uint32_t sample;    // AA sample in the making
-    bool reports;       // calls frame->progress
+    uint64_t hits_hash;  // sum over all rays, so that their order cannot matter
+    struct rb_span span; // in the making
+    bool reports;        // calls frame->progress
 };
+
+// Ends a stage: everything since the last one was `stage` at `bounce`.
+void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint64_t rays);
+
+// What becomes of shadow rays when their queue is full or the lights are done; there is at least
+// one. The queue is emptied afterwards.
+typedef void rb_flush_fn(struct rb_worker *worker, int bounce, void *user);
+
+// Secondary rays, at the start and from queues.batch on of the queue of the next bounce.
+struct rb_children {
+    uint32_t reflected, refracted;
+};
+
+// The stage `shade` on at most queues.batch rays: their surfaces, and all lights on them.
+struct rb_children rb_worker_shade(struct rb_worker *worker, int bounce, const struct rb_rays *rays,
+                                   const struct rb_hits *hits, rb_flush_fn *flush, void *user);
 
 // Renders tiles until none is left; called once by every worker, in its own thread.
 void rb_worker_run(struct rb_worker *worker);
+
+// Goes through frame->replay.
+void rb_worker_replay(struct rb_worker *worker);
 
 #endif

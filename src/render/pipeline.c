@@ -21,8 +21,8 @@ static void heat(struct rb_worker *worker, const uint32_t *pixel, uint32_t count
     }
 }
 
-// Ends a stage; the one that a test wants slower takes its share longer.
-static void lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint64_t rays)
+// The stage that a test wants slower takes its share longer.
+void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint64_t rays)
 {
     const struct rb_frame *frame = worker->frame;
     if (frame->slow_share > 0 && stage == frame->slow_stage)
@@ -53,48 +53,54 @@ static void resolve_shadows(struct rb_film *film, const struct rb_shadows *shado
             rb_film_add(film, shadows->pixel[i], shadows->r[i], shadows->g[i], shadows->b[i]);
 }
 
-static void flush_shadows(struct rb_worker *worker, int bounce)
+static void trace_shadows(struct rb_worker *worker, int bounce, void *user)
 {
+    (void)user;
     struct rb_frame *frame = worker->frame;
     struct rb_shadows *shadows = &worker->queues.shadows;
-    if (shadows->count == 0)
-        return;
     frame->kernels->trace_shadow(&frame->world, shadows);
-    lap(worker, RB_STAGE_TRACE_SHADOW, bounce, shadows->count);
+    rb_worker_lap(worker, RB_STAGE_TRACE_SHADOW, bounce, shadows->count);
     heat(worker, shadows->pixel, shadows->count);
+    if (frame->observer) {
+        frame->observer->shadowed(frame->observer->user, &worker->span, bounce, shadows);
+        rb_probe_start(&worker->recorder);
+    }
     resolve_shadows(&frame->film, shadows);
+    rb_worker_lap(worker, RB_STAGE_RESOLVE, bounce, 0);
+}
+
+static void flush_shadows(struct rb_worker *worker, int bounce, rb_flush_fn *flush, void *user)
+{
+    struct rb_shadows *shadows = &worker->queues.shadows;
+    if (shadows->count)
+        flush(worker, bounce, user);
     shadows->count = 0;
-    lap(worker, RB_STAGE_RESOLVE, bounce, 0);
 }
 
 // Light after light, so that the shadow rays of one light stay together.
-static void light_surfaces(struct rb_worker *worker, int bounce)
+static void light_surfaces(struct rb_worker *worker, int bounce, rb_flush_fn *flush, void *user)
 {
     const struct rb_frame *frame = worker->frame;
     const struct rb_surfaces *surfaces = &worker->queues.surfaces;
     struct rb_shadows *shadows = &worker->queues.shadows;
-    struct rb_light_sample sample = {.pixel_sample = worker->sample};
+    struct rb_light_sample sample = {.pixel_sample = worker->span.sample};
     for (; sample.light < frame->world.scene->light_count; sample.light++) {
         for (sample.sample = 0; sample.sample < frame->shading.light_samples; sample.sample++) {
             if (shadows->count + surfaces->count > shadows->capacity)
-                flush_shadows(worker, bounce);
+                flush_shadows(worker, bounce, flush, user);
             frame->kernels->light(&frame->world, &frame->shading, surfaces, &sample, shadows);
-            lap(worker, RB_STAGE_SHADE, bounce, 0);
+            rb_worker_lap(worker, RB_STAGE_SHADE, bounce, 0);
             heat(worker, surfaces->pixel, surfaces->count);
         }
     }
-    flush_shadows(worker, bounce);
+    flush_shadows(worker, bounce, flush, user);
 }
 
-static void trace_children(struct rb_worker *worker, uint32_t reflected, uint32_t refracted,
-                           int bounce);
-
-// Everything that becomes of the rays [first, first + count) of the queue of `bounce`.
-static void trace_batch(struct rb_worker *worker, int bounce, uint32_t first, uint32_t count)
+struct rb_children rb_worker_shade(struct rb_worker *worker, int bounce, const struct rb_rays *rays,
+                                   const struct rb_hits *hits, rb_flush_fn *flush, void *user)
 {
-    const struct rb_frame *frame = worker->frame;
+    struct rb_frame *frame = worker->frame;
     struct rb_queues *queues = &worker->queues;
-    struct rb_rays rays = rb_rays_view(&queues->rays[bounce], first, count, count);
     bool last = bounce + 1 == frame->settings.depth;
     struct rb_rays reflected = {0}, refracted = {0};
     if (!last) {
@@ -102,37 +108,50 @@ static void trace_batch(struct rb_worker *worker, int bounce, uint32_t first, ui
         reflected = rb_rays_view(next, 0, 0, queues->batch);
         refracted = rb_rays_view(next, queues->batch, 0, queues->batch);
     }
-    lap(worker, RB_STAGE_OTHER, bounce, 0);
+    queues->surfaces.count = 0;
+    frame->kernels->surface(&frame->world, &frame->shading, rays, hits, &queues->surfaces,
+                            last ? NULL : &reflected, last ? NULL : &refracted, &frame->film);
+    worker->recorder.hits[bounce] += queues->surfaces.count;
+    rb_worker_lap(worker, RB_STAGE_SHADE, bounce, rays->count);
+    light_surfaces(worker, bounce, flush, user);
+    return (struct rb_children){reflected.count, refracted.count};
+}
+
+static void trace_children(struct rb_worker *worker, struct rb_children children, int bounce);
+
+// Everything that becomes of the rays [first, first + count) of the queue of `bounce`.
+static void trace_batch(struct rb_worker *worker, int bounce, uint32_t first, uint32_t count)
+{
+    const struct rb_frame *frame = worker->frame;
+    struct rb_queues *queues = &worker->queues;
+    struct rb_rays rays = rb_rays_view(&queues->rays[bounce], first, count, count);
+    rb_worker_lap(worker, RB_STAGE_OTHER, bounce, 0);
 
     frame->kernels->trace(&frame->world, &rays, &queues->hits);
-    lap(worker, RB_STAGE_TRACE, bounce, count);
+    rb_worker_lap(worker, RB_STAGE_TRACE, bounce, count);
     heat(worker, rays.pixel, count);
-    if (frame->hash_hits) {
-        worker->hits_hash += hash_hits(&rays, &queues->hits, worker->sample);
-        rb_probe_start(&worker->recorder); // hashing is no part of a frame
-    }
+    if (frame->hash_hits)
+        worker->hits_hash += hash_hits(&rays, &queues->hits, worker->span.sample);
+    if (frame->observer)
+        frame->observer->traced(frame->observer->user, &worker->span, bounce, &rays, &queues->hits);
+    if (frame->hash_hits || frame->observer)
+        rb_probe_start(&worker->recorder); // neither is a part of a frame
 
-    queues->surfaces.count = 0;
-    frame->kernels->surface(&frame->world, &frame->shading, &rays, &queues->hits, &queues->surfaces,
-                            last ? NULL : &reflected, last ? NULL : &refracted,
-                            &worker->frame->film);
-    worker->recorder.hits[bounce] += queues->surfaces.count;
-    lap(worker, RB_STAGE_SHADE, bounce, count);
-    light_surfaces(worker, bounce);
-    if (!last)
-        trace_children(worker, reflected.count, refracted.count, bounce + 1);
+    struct rb_children children =
+        rb_worker_shade(worker, bounce, &rays, &queues->hits, trace_shadows, NULL);
+    if (bounce + 1 < frame->settings.depth)
+        trace_children(worker, children, bounce + 1);
 }
 
 // The children lie in two runs, at the start and in the middle of their queue. They are traced
 // together, or in two batches if they are too many.
-static void trace_children(struct rb_worker *worker, uint32_t reflected, uint32_t refracted,
-                           int bounce)
+static void trace_children(struct rb_worker *worker, struct rb_children children, int bounce)
 {
     struct rb_queues *queues = &worker->queues;
-    worker->recorder.reflected[bounce] += reflected;
-    worker->recorder.refracted[bounce] += refracted;
-    rb_rays_move(&queues->rays[bounce], reflected, queues->batch, refracted);
-    uint32_t count = reflected + refracted;
+    worker->recorder.reflected[bounce] += children.reflected;
+    worker->recorder.refracted[bounce] += children.refracted;
+    rb_rays_move(&queues->rays[bounce], children.reflected, queues->batch, children.refracted);
+    uint32_t count = children.reflected + children.refracted;
     for (uint32_t first = 0; first < count; first += queues->batch) {
         uint32_t rest = count - first;
         trace_batch(worker, bounce, first, rest < queues->batch ? rest : queues->batch);
@@ -143,9 +162,10 @@ static void render_span(struct rb_worker *worker, const struct rb_span *span)
 {
     struct rb_rays *rays = &worker->queues.rays[0];
     rays->count = 0;
-    lap(worker, RB_STAGE_OTHER, 0, 0);
+    worker->span = *span;
+    rb_worker_lap(worker, RB_STAGE_OTHER, 0, 0);
     worker->frame->kernels->generate(&worker->frame->view, span, rays);
-    lap(worker, RB_STAGE_GENERATE, 0, rays->count);
+    rb_worker_lap(worker, RB_STAGE_GENERATE, 0, rays->count);
     trace_batch(worker, 0, 0, rays->count);
 }
 
@@ -163,9 +183,9 @@ static void render_tile(struct rb_worker *worker, uint32_t tile)
     int x1 = min_int(x0 + edge, frame->view.width), y1 = min_int(y0 + edge, frame->view.height);
     int strip = (int)worker->queues.batch / edge / RB_BLOCK * RB_BLOCK;
     uint32_t samples = frame->view.aa * frame->view.aa;
-    for (worker->sample = 0; worker->sample < samples; worker->sample++)
+    for (uint32_t sample = 0; sample < samples; sample++)
         for (int y = y0; y < y1; y += strip) {
-            struct rb_span span = {x0, y, x1, min_int(y + strip, y1), worker->sample};
+            struct rb_span span = {x0, y, x1, min_int(y + strip, y1), sample};
             render_span(worker, &span);
         }
 }
@@ -199,8 +219,9 @@ void rb_worker_run(struct rb_worker *worker)
         uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
         if (frame->progress && worker->reports)
             frame->progress(frame->user, done, frame->tile_count);
-        lap(worker, RB_STAGE_OTHER, 0, 0);
+        rb_worker_lap(worker, RB_STAGE_OTHER, 0, 0);
     }
+    rb_counting.cost = NULL;
     if (frame->simulate_from)
         rb_simulate_stop();
     rb_fpenv_leave(&saved);

@@ -115,7 +115,6 @@ void rb_renderer_pixel(struct rb_renderer *renderer, int x, int y,
     struct walk walk = {renderer, observer};
     fenv_t saved;
     rb_fpenv_enter(&saved);
-    frame->kernels = renderer->variant->kernels;
     rb_film_clear(&frame->film);
     uint32_t samples = frame->view.aa * frame->view.aa;
     for (uint32_t sample = 0; sample < samples; sample++) {

@@ -4,88 +4,99 @@
 
 #include <string.h>
 
-// Shadow rays wait until this many batches of them are together or the lights are done.
-enum { SHADOW_BATCHES = 2 };
-
-// One member array of a queue: where its pointer is stored and the size of an element.
-struct member {
-    void *pointer;
-    size_t size;
-};
-
-#define MEMBER(field)                                                                              \
+#define MEMBER(queue, field)                                                                       \
     {                                                                                              \
-        &(field), sizeof *(field)                                                                  \
+#field, &(queue)->field, sizeof *(queue)->field                                            \
     }
 
 // Arrays of a power of two in size would all begin in the same set of the first-level cache, and a
 // kernel streams through more of them than a set has ways. Each one is moved on by this many lines.
 enum { STAGGER_LINES = 5 };
 
-// Gives every member room for `count` elements from `memory` on; returns the bytes taken. With
-// memory NULL it only counts.
-static size_t place(char *memory, const struct member *members, size_t member_count, uint32_t count)
+static struct rb_members copy_members(const struct rb_member *members, size_t count)
+{
+    struct rb_members copy = {.count = count};
+    memcpy(copy.member, members, count * sizeof *members);
+    return copy;
+}
+
+struct rb_members rb_rays_members(struct rb_rays *r)
+{
+    const struct rb_member members[] = {
+        MEMBER(r, ox),   MEMBER(r, oy),   MEMBER(r, oz),     MEMBER(r, dx),
+        MEMBER(r, dy),   MEMBER(r, dz),   MEMBER(r, weight), MEMBER(r, pixel),
+        MEMBER(r, path), MEMBER(r, self), MEMBER(r, media),
+    };
+    return copy_members(members, sizeof members / sizeof *members);
+}
+
+struct rb_members rb_hits_members(struct rb_hits *h)
+{
+    const struct rb_member members[] = {MEMBER(h, t), MEMBER(h, u), MEMBER(h, v), MEMBER(h, prim)};
+    return copy_members(members, sizeof members / sizeof *members);
+}
+
+static struct rb_members surfaces_members(struct rb_surfaces *s)
+{
+    const struct rb_member members[] = {
+        MEMBER(s, px),   MEMBER(s, py),   MEMBER(s, pz),       MEMBER(s, nx),    MEMBER(s, ny),
+        MEMBER(s, nz),   MEMBER(s, vx),   MEMBER(s, vy),       MEMBER(s, vz),    MEMBER(s, weight),
+        MEMBER(s, path), MEMBER(s, prim), MEMBER(s, material), MEMBER(s, pixel), MEMBER(s, inside),
+    };
+    return copy_members(members, sizeof members / sizeof *members);
+}
+
+struct rb_members rb_shadows_members(struct rb_shadows *s)
+{
+    const struct rb_member members[] = {
+        MEMBER(s, ox),    MEMBER(s, oy),   MEMBER(s, oz),       MEMBER(s, dx), MEMBER(s, dy),
+        MEMBER(s, dz),    MEMBER(s, r),    MEMBER(s, g),        MEMBER(s, b),  MEMBER(s, distance),
+        MEMBER(s, pixel), MEMBER(s, self), MEMBER(s, occluded),
+    };
+    return copy_members(members, sizeof members / sizeof *members);
+}
+
+size_t rb_members_place(const struct rb_members *members, char *memory, uint32_t capacity)
 {
     size_t used = 0;
-    for (size_t i = 0; i < member_count; i++) {
+    for (size_t i = 0; i < members->count; i++) {
         char *array = memory ? memory + used : NULL;
-        memcpy(members[i].pointer, &array, sizeof array); // all object pointers look alike here
-        size_t bytes = (size_t)count * members[i].size;
+        // All object pointers look alike here.
+        memcpy(members->member[i].pointer, &array, sizeof array);
+        size_t bytes = (size_t)capacity * members->member[i].size;
         used += ((bytes + RB_CACHE_LINE - 1) / RB_CACHE_LINE + STAGGER_LINES) * RB_CACHE_LINE;
     }
     return used;
 }
 
-static size_t place_rays(char *memory, struct rb_rays *r, uint32_t capacity)
+char *rb_member_array(const struct rb_member *member)
 {
-    const struct member members[] = {
-        MEMBER(r->ox),   MEMBER(r->oy),   MEMBER(r->oz),     MEMBER(r->dx),
-        MEMBER(r->dy),   MEMBER(r->dz),   MEMBER(r->weight), MEMBER(r->pixel),
-        MEMBER(r->path), MEMBER(r->self), MEMBER(r->media),
-    };
-    r->capacity = capacity;
-    return place(memory, members, sizeof members / sizeof *members, capacity);
-}
-
-static size_t place_hits(char *memory, struct rb_hits *h, uint32_t capacity)
-{
-    const struct member members[] = {MEMBER(h->t), MEMBER(h->u), MEMBER(h->v), MEMBER(h->prim)};
-    return place(memory, members, sizeof members / sizeof *members, capacity);
-}
-
-static size_t place_surfaces(char *memory, struct rb_surfaces *s, uint32_t capacity)
-{
-    const struct member members[] = {
-        MEMBER(s->px),   MEMBER(s->py),   MEMBER(s->pz),       MEMBER(s->nx),    MEMBER(s->ny),
-        MEMBER(s->nz),   MEMBER(s->vx),   MEMBER(s->vy),       MEMBER(s->vz),    MEMBER(s->weight),
-        MEMBER(s->path), MEMBER(s->prim), MEMBER(s->material), MEMBER(s->pixel), MEMBER(s->inside),
-    };
-    s->capacity = capacity;
-    return place(memory, members, sizeof members / sizeof *members, capacity);
-}
-
-static size_t place_shadows(char *memory, struct rb_shadows *s, uint32_t capacity)
-{
-    const struct member members[] = {
-        MEMBER(s->ox),    MEMBER(s->oy),   MEMBER(s->oz),       MEMBER(s->dx), MEMBER(s->dy),
-        MEMBER(s->dz),    MEMBER(s->r),    MEMBER(s->g),        MEMBER(s->b),  MEMBER(s->distance),
-        MEMBER(s->pixel), MEMBER(s->self), MEMBER(s->occluded),
-    };
-    s->capacity = capacity;
-    return place(memory, members, sizeof members / sizeof *members, capacity);
+    char *array;
+    memcpy(&array, member->pointer, sizeof array);
+    return array;
 }
 
 static size_t place_all(char *memory, struct rb_queues *queues, int depth)
 {
     uint32_t batch = queues->batch;
+    struct rb_members members[RB_DEPTH_MAX + 4];
+    uint32_t capacities[RB_DEPTH_MAX + 4];
+    int count = 0;
+    for (int d = 0; d < depth; d++) {
+        members[count] = rb_rays_members(&queues->rays[d]);
+        capacities[count++] = queues->rays[d].capacity = 2 * batch;
+    }
+    members[count] = rb_hits_members(&queues->hits);
+    capacities[count++] = batch;
+    members[count] = surfaces_members(&queues->surfaces);
+    capacities[count++] = queues->surfaces.capacity = batch;
+    members[count] = rb_shadows_members(&queues->shadows);
+    capacities[count++] = queues->shadows.capacity = RB_SHADOW_BATCHES * batch;
+    members[count] = (struct rb_members){.member = {MEMBER(queues, cost)}, .count = 1};
+    capacities[count++] = RB_SHADOW_BATCHES * batch;
     size_t used = 0;
-    for (int d = 0; d < depth; d++)
-        used += place_rays(memory ? memory + used : NULL, &queues->rays[d], 2 * batch);
-    used += place_hits(memory ? memory + used : NULL, &queues->hits, batch);
-    used += place_surfaces(memory ? memory + used : NULL, &queues->surfaces, batch);
-    used += place_shadows(memory ? memory + used : NULL, &queues->shadows, SHADOW_BATCHES * batch);
-    const struct member cost[] = {MEMBER(queues->cost)};
-    used += place(memory ? memory + used : NULL, cost, 1, SHADOW_BATCHES * batch);
+    for (int i = 0; i < count; i++)
+        used += rb_members_place(&members[i], memory ? memory + used : NULL, capacities[i]);
     return used;
 }
 

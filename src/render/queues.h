@@ -10,7 +10,8 @@
 #include "base/status.h"
 #include "kernels/kernel.h"
 
-enum { RB_BATCH_MAX = 4096 };
+// Shadow rays wait until RB_SHADOW_BATCHES batches of them are together or the lights are done.
+enum { RB_BATCH_MAX = 4096, RB_SHADOW_BATCHES = 2 };
 
 struct rb_queues {
     uint32_t batch; // most rays a kernel gets at once
@@ -27,6 +28,30 @@ struct rb_queues {
 enum rb_status rb_queues_alloc(struct rb_queues *queues, uint32_t batch, int depth,
                                struct rb_error *error);
 void rb_queues_free(struct rb_queues *queues);
+
+// The arrays of a queue, for whoever treats them all alike: in the order in which they lie in
+// memory, and in files of rays.
+struct rb_member {
+    const char *name;
+    void *pointer; // to the pointer in the queue
+    size_t size;   // of an element
+};
+enum { RB_MEMBERS_MAX = 16 };
+struct rb_members {
+    struct rb_member member[RB_MEMBERS_MAX];
+    size_t count;
+};
+struct rb_members rb_rays_members(struct rb_rays *rays);
+struct rb_members rb_hits_members(struct rb_hits *hits);
+struct rb_members rb_shadows_members(struct rb_shadows *shadows);
+
+// Gives every array room for `capacity` elements from `memory` on, which begins a cache line;
+// returns the bytes taken. With memory NULL it only counts. The capacity is a multiple of
+// RB_LANES_MAX.
+size_t rb_members_place(const struct rb_members *members, char *memory, uint32_t capacity);
+
+// Where an array begins.
+char *rb_member_array(const struct rb_member *member);
 
 // The part of a ray queue from `first` on: a view with room for `capacity` rays, `count` of them
 // there.

@@ -58,6 +58,7 @@ static enum rb_status prepare(struct rb_renderer *renderer, struct rb_error *err
     enum rb_status status = rb_settings_complete(&frame->settings, scene, error);
     if (status)
         return status;
+    frame->kernels = renderer->variant->kernels;
     frame->world.one_sided = frame->settings.spd;
     frame->view = rb_view_make(scene, &frame->settings);
     frame->shading = rb_shading_make(scene, &frame->settings);
@@ -136,6 +137,14 @@ static void add_counts(struct rb_count_table *to, const struct rb_count_table *f
             rb_counts_add(&to->at[stage][bounce], &from->at[stage][bounce]);
 }
 
+// A schedule of recorded batches.
+static void replay(struct rb_frame *frame, struct rb_worker *workers, int count)
+{
+    (void)count;
+    frame->thread_count = 1;
+    rb_worker_replay(&workers[0]);
+}
+
 void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *options,
                      struct rb_run_result *result)
 {
@@ -145,6 +154,8 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     frame->tiles = options->tiles;
     frame->tile_count = options->tiles ? options->tile_count : rb_renderer_tile_count(renderer);
     frame->hash_hits = options->hash_hits;
+    frame->observer = options->observer;
+    frame->replay = options->replay;
     frame->slow_stage = options->slow_stage;
     frame->slow_share = options->slow_share;
     frame->simulate_from = options->simulate_from;
@@ -168,7 +179,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     fenv_t saved;
     rb_fpenv_enter(&saved);
     uint64_t start_ns = rb_clock_ns();
-    renderer->variant->schedule(frame, renderer->workers, count);
+    (frame->replay ? replay : renderer->variant->schedule)(frame, renderer->workers, count);
     *result = (struct rb_run_result){
         .wall_ns = rb_clock_ns() - start_ns,
         .thread_count = frame->thread_count,

@@ -13,6 +13,7 @@
 
 #include "base/vec.h"
 #include "render/counted.h"
+#include "render/replay.h"
 #include "render/settings.h"
 #include "render/variants.h"
 
@@ -25,10 +26,26 @@ enum rb_status rb_renderer_create(const struct rb_scene *scene, const struct rb_
                                   struct rb_error *error);
 void rb_renderer_free(struct rb_renderer *renderer); // accepts NULL
 
+// Sees the batches of a frame as the kernels get and leave them, in the order in which they come:
+// a batch of rays, the shadow rays of its hits, then its children, which are batches of the next
+// bounce. `span` is the part of the image that they serve. Called by the worker that has made them,
+// so rows with threads call from several at once. What it sees is gone when it returns.
+struct rb_observer {
+    void *user;
+    void (*traced)(void *user, const struct rb_span *span, int bounce, const struct rb_rays *rays,
+                   const struct rb_hits *hits);
+    void (*shadowed)(void *user, const struct rb_span *span, int bounce,
+                     const struct rb_shadows *shadows);
+};
+
 struct rb_run_options {
     const uint32_t *tiles; // indices of the tiles to render; NULL for the whole frame
     uint32_t tile_count;
-    bool hash_hits; // costs time
+    bool hash_hits;                     // costs time
+    const struct rb_observer *observer; // may be NULL; its time is not the frame's
+    // Not NULL: instead of tiles run one kernel on recorded batches, which the renderer has checked
+    // (replay.h), in one thread. Pixels and image hash then mean nothing.
+    const struct rb_replay *replay;
     // Not NULL: the twins of the row's kernels run, and what they count is added here. Times are
     // meaningless then. The row must have twins (rb_variant.counted).
     struct rb_count_table *counts;

@@ -79,4 +79,15 @@ check 'hits off by an ulp get none, and the reason' lines wrong ',,,,0,invalid'
 check 'wrong shadows get none' lines dark ',,,,0,invalid'
 check 'a person is told' grep -q 'wrong: image or hits differ from the reference' "$tmp/err"
 check 'in the table, too' grep -qE '^  dark .*invalid' "$tmp/out"
+check 'rays are recorded' exits 0 record mount_low --size 48x48 -o "$tmp/rays" --quiet
+replay() { exits "$1" replay "$tmp/rays" --variant "$2" --kernel "$3" --bounce 0 --seconds 0.02 \
+    --processes 1; }
+check 'and replayed by the new row' replay 0 dummy trace
+check 'with a time' grep -qE '^  image +trace +0 +2304 +[0-9]' "$tmp/out"
+check 'by the wrong one' replay 2 wrong trace
+check 'without' grep -qE '^  image +trace +0 +2304 +- +invalid: differs from the record' "$tmp/out"
+check 'it says which ray' grep -qE 'trace at bounce 0, batch 0, ray [0-9]+: t is not as recorded' \
+    "$tmp/err"
+check 'wrong shadows get none' replay 2 dark trace_shadow
+check 'and the reason' grep -q ': occluded is not as recorded' "$tmp/err"
 finish
