@@ -7,6 +7,10 @@
 // Why the row cannot be simulated, and which one to take instead; NULL if it can.
 const char *rb_simulate_refusal(const struct rb_variant *variant);
 
+// From here on, in this process and its workers, rows that stand for others and the machine's own
+// choices do without what valgrind lacks.
+void rb_simulate_mask(void);
+
 // Simulates runs of tiles of the cell with `program`, after one warm pass over them, and gives the
 // result to the cell: so many tiles, or as many as take about ten seconds if `tiles` is 0. How many
 // that are follows from rays and primitives alone, so that two runs simulate the same. The

@@ -64,16 +64,6 @@ const struct rb_command rb_command_simulate = {
     .run = run,
 };
 
-// Rows that stand for others, and the machine's own choices, do without what valgrind lacks.
-static void disable_avx512(void)
-{
-    const char *disabled = getenv("RAYBENCH_CPU_DISABLE");
-    char list[256];
-    snprintf(list, sizeof list, "%.200s%savx512f", disabled ? disabled : "",
-             disabled && *disabled ? "," : "");
-    setenv("RAYBENCH_CPU_DISABLE", list, 1);
-}
-
 static void print_head(const struct rb_caches *caches)
 {
     const struct rb_variant *packet = rb_variant_resolve(rb_variant_find("packet"));
@@ -153,7 +143,7 @@ static int run(const struct rb_arguments *arguments)
         status = rb_plan_compose(arguments, "variants = naive,bvh,packet\n", &plan, &error);
     if (status == RB_OK)
         status = rb_plan_parse(&rb_command_simulate, &plan, &error);
-    disable_avx512();
+    rb_simulate_mask();
     plan.arguments.quiet = arguments->quiet;
     if (!arguments->bench.variants)
         plan.arguments.bench.variants = "naive,bvh,packet";
