@@ -1,6 +1,7 @@
 #include "bench/shell/commands.h"
 
 #include "bench/compare/compare.h"
+#include "bench/explain/count.h"
 #include "bench/export/export.h"
 #include "bench/machine/doctor.h"
 #include "bench/replay/record.h"
@@ -26,6 +27,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_list,
     &rb_command_bench,
     &rb_command_simulate,
+    &rb_command_count,
     &rb_command_compare,
     &rb_command_export,
     &rb_command_table,
