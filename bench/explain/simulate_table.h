@@ -1,6 +1,6 @@
 // What a person reads of a simulation, on standard output.
-#ifndef RB_RUN_SIMULATE_TABLE_H
-#define RB_RUN_SIMULATE_TABLE_H
+#ifndef RB_EXPLAIN_SIMULATE_TABLE_H
+#define RB_EXPLAIN_SIMULATE_TABLE_H
 
 #include "bench/run/plan.h"
 

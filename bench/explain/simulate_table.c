@@ -1,4 +1,4 @@
-#include "bench/run/simulate_table.h"
+#include "bench/explain/simulate_table.h"
 
 #include <inttypes.h>
 #include <math.h>
