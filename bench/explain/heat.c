@@ -43,6 +43,7 @@ struct picture {
     int width, height;
     uint64_t *cost; // of each pixel; ticks of each tile
     double *value;  // of each pixel: counts, or ns
+    double *sorted; // these values
     float *rgb;
 };
 
@@ -104,7 +105,8 @@ static enum rb_status paint(struct picture *picture, const char *path, double *w
     bool raw = strlen(path) > 4 && strcmp(path + strlen(path) - 4, ".pfm") == 0;
     const struct rb_image_format *format = rb_image_format_of(path, error);
     struct rb_output output;
-    *white = rb_stats_quantile(picture->value, pixels, SHOWN);
+    memcpy(picture->sorted, picture->value, pixels * sizeof *picture->value);
+    *white = rb_stats_quantile(picture->sorted, pixels, SHOWN);
     for (size_t i = 0; i < pixels; i++) {
         float value = (float)picture->value[i];
         float rgb[3] = {value, value, value};
@@ -149,7 +151,8 @@ static enum rb_status draw(struct picture *picture, const struct rb_cell *cell,
     picture->cost = rb_alloc(pixels, sizeof *picture->cost);
     picture->value = rb_alloc(pixels, sizeof *picture->value);
     picture->rgb = rb_alloc(pixels, 3 * sizeof *picture->rgb);
-    if (!picture->cost || !picture->value || !picture->rgb)
+    picture->sorted = rb_alloc(pixels, sizeof *picture->sorted);
+    if (!picture->cost || !picture->value || !picture->sorted || !picture->rgb)
         return rb_error_memory(error, "the heat map");
     if (heat->counters)
         count_pixels(picture, heat);
@@ -180,6 +183,7 @@ enum rb_status rb_heat_write(const struct rb_cell *cell, const struct rb_heat *h
         status = draw(&picture, cell, heat, path, error);
     rb_free(picture.cost);
     rb_free(picture.value);
+    rb_free(picture.sorted);
     rb_free(picture.rgb);
     rb_renderer_free(picture.renderer);
     rb_scene_free(&scene);
