@@ -74,9 +74,10 @@ check 'misses grow with the tree' exits 0 simulate balls2 balls4 $small --varian
 check 'as the last table shows' [ "$(awk '
     /^  balls[24] +bvh/ { if (++n == 1) { l1 = $5; ll = $6 } else print ($5 > l1 && $6 > ll) }' \
     "$tmp/out")" = 1 ]
-check 'what is no cache' complains 2 '--ll 32K: expected SIZE,WAYS' simulate balls_low $small --ll 32K
-check 'nor this' complains 2 '--l1 32K,8,48: expected SIZE,WAYS' simulate balls_low $small \
-    --l1 32K,8,48
+check 'what is no cache' complains 2 '--ll 32K: expected SIZE,WAYS' \
+    simulate balls_low $small --ll 32K
+check 'nor this' complains 2 '--l1 32K,8,48: expected SIZE,WAYS' \
+    simulate balls_low $small --l1 32K,8,48
 
 # Rows that cannot be simulated.
 check 'AVX-512' complains 2 'packet-avx512 is not simulated: .*take packet-avx2' \
@@ -92,7 +93,8 @@ check 'naive, too' env TMPDIR="$tmp/folder" "$raybench" simulate balls_low $smal
     >"$tmp/out"
 check 'on tiles of its own size' grep -q 'tiles of 16 x 16' "$tmp/out"
 check 'no temporary file' [ -z "$(ls -A "$tmp/folder")" ]
-TMPDIR="$tmp/folder" "$raybench" simulate balls4 --variant bvh --quiet --out "$tmp/results" >"$tmp/out" 2>"$tmp/err" &
+TMPDIR="$tmp/folder" "$raybench" simulate balls4 --variant bvh --quiet --out "$tmp/results" \
+    >"$tmp/out" 2>"$tmp/err" &
 pid=$!
 i=0
 until [ -n "$(ls -A "$tmp/folder")" ] || [ $i = 100 ]; do
