@@ -2,6 +2,7 @@
 #include "bench/explain/explain.h"
 
 #include "bench/explain/explain_table.h"
+#include "bench/explain/simulate_table.h"
 #include "bench/run/session.h"
 #include "bench/run/simulate_cell.h"
 #include "cli/commands.h"
@@ -44,9 +45,11 @@ static const struct rb_cell *baseline_of(const struct rb_run *run, const struct 
 
 static int print(const struct rb_run *run, bool partial)
 {
+    rb_simulate_print_caches(&run->caches);
     for (int i = 0; i < run->unit_count; i++)
         rb_explain_print_table(&run->plan->cells[i]);
     rb_explain_print_notes();
+    rb_explain_print_rates(run->plan);
     for (int i = 0; i < run->unit_count; i++)
         rb_explain_print_words(&run->plan->cells[i], baseline_of(run, &run->plan->cells[i]));
     printf("\n");

@@ -70,6 +70,41 @@ void rb_explain_print_table(const struct rb_cell *cell)
             }
 }
 
+// True if the place has a rate that no processor has, which is then told.
+static bool tell_rate(const struct rb_cell *cell, const struct rb_place *place)
+{
+    double rate = place->instructions_per_ns;
+    bool strange = isfinite(rate) && !rb_place_rate_is_sane(rate);
+    if (strange)
+        printf("%s, %s, %s at bounce %d: %.3g instructions a ns are not what a processor does; do "
+               "not trust its simulation or its time.\n",
+               cell->reference->scene_name, cell->variant->name, rb_stage_names[place->stage],
+               place->bounce, rate);
+    return strange;
+}
+
+void rb_explain_print_rates(const struct rb_plan *plan)
+{
+    double low = INFINITY, high = 0;
+    int strange = 0;
+    printf("\n");
+    for (int i = 0; i < plan->cell_count; i++)
+        for (int stage = 0; stage < RB_KERNEL_COUNT; stage++)
+            for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++) {
+                const struct rb_cell *cell = &plan->cells[i];
+                if (!rb_place_exists(cell, (enum rb_stage)stage, bounce))
+                    continue;
+                struct rb_place place = rb_place_of(cell, (enum rb_stage)stage, bounce);
+                strange += tell_rate(cell, &place);
+                low = fmin(low, place.instructions_per_ns);
+                high = fmax(high, place.instructions_per_ns);
+            }
+    if (!strange && high > 0)
+        printf("Instructions and times fit: all rates, %.3g to %.3g instructions a ns, are what a "
+               "processor can do.\n",
+               low, high);
+}
+
 void rb_explain_print_notes(void)
 {
     printf(
@@ -89,5 +124,6 @@ void rb_explain_print_notes(void)
         "  other    10 cycles a mispredicted branch; instruction misses as those of data\n"
         "instr./ns  simulated instructions over the native time of the same tiles: divided by the\n"
         "           clock in GHz it is instructions a cycle. The simulator sees neither overlap\n"
-        "           nor prefetching, so a kernel may be faster than its modelled cycles.\n");
+        "           nor prefetching, and its branch predictor is a simple one, so a kernel may\n"
+        "           be faster than its modelled cycles.\n");
 }

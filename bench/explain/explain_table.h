@@ -10,6 +10,9 @@ void rb_explain_print_table(const struct rb_cell *cell);
 // What the columns and the categories are, and what the numbers cannot say.
 void rb_explain_print_notes(void);
 
+// Whether the instructions simulated and the time measured fit each other, and where not.
+void rb_explain_print_rates(const struct rb_plan *plan);
+
 // A paragraph on a cell: which kernel at which bounce costs most and why, by the numbers of the
 // table. `base` is the cell of the row that it is compared with; NULL: none.
 void rb_explain_print_words(const struct rb_cell *cell, const struct rb_cell *base);

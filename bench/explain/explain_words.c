@@ -11,6 +11,13 @@
 
 enum { LINE = 96 };
 
+// Three digits or more, but no exponent.
+static const char *format(double value, char text[24])
+{
+    snprintf(text, 24, value >= 1000 ? "%.0f" : "%.3g", value);
+    return text;
+}
+
 // A factor is worth a word from here on.
 static const double NOTABLE = 1.15;
 
@@ -28,12 +35,14 @@ static double all_rays(const struct rb_cell *cell)
 
 static void say_where(FILE *out, const struct rb_cell *cell, const struct rb_place *hot)
 {
+    char ns[24];
     double rays_pct = 100.0 * hot->rays / all_rays(cell), time_pct = 100.0 * hot->share;
     fprintf(
         out,
         "%s spends most in %s at bounce %d: %.0f %% of its time on %.0f %% of the queue entries "
-        "of trace, shade and trace_shadow, %.4g ns each. ",
-        cell->variant->name, rb_stage_names[hot->stage], hot->bounce, time_pct, rays_pct, hot->ns);
+        "of trace, shade and trace_shadow, %s ns each. ",
+        cell->variant->name, rb_stage_names[hot->stage], hot->bounce, time_pct, rays_pct,
+        format(hot->ns, ns));
     fprintf(out, "%s. ",
             time_pct > NOTABLE * rays_pct   ? "It is the price of a ray that makes it so"
             : rays_pct > NOTABLE * time_pct ? "It is their number that makes it so, not their price"
@@ -42,21 +51,22 @@ static void say_where(FILE *out, const struct rb_cell *cell, const struct rb_pla
 
 static void say_work(FILE *out, const struct rb_place *hot)
 {
+    char number[24];
     if (isnan(hot->steps))
         return;
     if (hot->nodes > 0)
         fprintf(out, "A ray visits %.3g nodes and tests %.3g boxes and %.3g primitives", hot->nodes,
                 hot->boxes, hot->primitives);
     else if (hot->boxes > 0)
-        fprintf(out, "A ray tests %.4g boxes and %.3g primitives", hot->boxes, hot->primitives);
+        fprintf(out, "A ray tests %s boxes and %.3g primitives", format(hot->boxes, number),
+                hot->primitives);
     else
         fprintf(out, "A ray takes %.3g steps", hot->steps);
     if (hot->lanes > 1)
         fprintf(out, ", in steps of %.0f lanes of which %.0f %% are of use", hot->lanes,
                 hot->lane_use_pct);
     if (isfinite(hot->events.instructions))
-        fprintf(out, "; that takes %.4g instructions%s", hot->events.instructions,
-                hot->steps > 0 ? "" : ". ");
+        fprintf(out, "; that takes %s instructions", format(hot->events.instructions, number));
     if (isfinite(hot->events.instructions) && hot->steps > 0)
         fprintf(out, ", %.3g a step", hot->events.instructions / hot->steps);
     fprintf(out, ". ");
@@ -65,16 +75,15 @@ static void say_work(FILE *out, const struct rb_place *hot)
 static void say_categories(FILE *out, const struct rb_place *hot)
 {
     const struct rb_simulated_figures *e = &hot->events;
+    char l1[24], ll[24], branches[24];
     if (isnan(e->compute_pct))
         return;
     fprintf(out,
-            "Of the modelled cycles %.0f %% are instructions, %.0f %% wait for memory (%.2g L1 "
-            "misses a ray, %.2g of the last level), %.0f %% are other, mostly branches (%.3g "
-            "mispredicted a ray%s",
-            e->compute_pct, e->memory_stall_pct, e->l1_misses, e->ll_misses, e->other_pct,
-            e->branch_misses, hot->steps > 0 ? "" : "). ");
-    if (hot->steps > 0)
-        fprintf(out, ", %.2g a step). ", e->branch_misses / hot->steps);
+            "Of the modelled cycles %.0f %% are instructions, %.0f %% wait for memory (%s misses "
+            "of L1 a ray, %s of the last level), %.0f %% are other, mostly mispredicted branches "
+            "(%s a ray). ",
+            e->compute_pct, e->memory_stall_pct, format(e->l1_misses, l1), format(e->ll_misses, ll),
+            e->other_pct, format(e->branch_misses, branches));
     if (e->memory_stall_pct >= DOMINANT)
         fprintf(out, "It is bound by memory: smaller nodes, or rays in another order. ");
     else if (e->other_pct >= DOMINANT)
@@ -83,8 +92,10 @@ static void say_categories(FILE *out, const struct rb_place *hot)
         fprintf(out, "It is bound by instructions, and of their lanes most are idle: rays that "
                      "belong together would help, memory would not. ");
     else
-        fprintf(out, "It is bound by instructions: fewer nodes a ray, or fewer instructions a "
-                     "node; memory would not help. ");
+        fprintf(out, "It is bound by instructions: %s would help, memory would not. ",
+                hot->nodes > 0   ? "fewer nodes a ray, or fewer instructions a node,"
+                : hot->boxes > 0 ? "fewer boxes a ray, as in a tree,"
+                                 : "fewer of them a step, or more lanes,");
 }
 
 // "2.1 times the nodes", if that is worth it.
@@ -121,6 +132,12 @@ static void say_growth(FILE *out, const struct rb_cell *cell, const struct rb_pl
         fprintf(out, "%s%.0f %% of the lanes in use", any ? ", and " : "", deep.lane_use_pct);
     else if (!any)
         fprintf(out, "for no reason that these numbers show");
+    double before = hot->instructions_per_ns, after = deep.instructions_per_ns;
+    if (before > NOTABLE * after)
+        fprintf(out,
+                "; and the processor gets through %.3g instructions a ns instead of %.3g, which is "
+                "what the model does not see: the true price of mispredicted branches, and stalls",
+                after, before);
     fprintf(out, ". ");
 }
 
@@ -147,7 +164,7 @@ static void say_rate(FILE *out, const struct rb_place *hot)
     if (!isfinite(rate))
         return;
     if (rb_place_rate_is_sane(rate))
-        fprintf(out, "%.3g instructions a ns are what a processor can do.", rate);
+        fprintf(out, "%.3g instructions a ns there are what a processor can do.", rate);
     else
         fprintf(out,
                 "%.3g instructions a ns are not what a processor does: do not trust this row's "

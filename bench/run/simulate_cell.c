@@ -21,7 +21,7 @@ const char *rb_simulate_refusal(const struct rb_variant *variant)
         return "the simulator runs one thread: take the row without +omp";
     if (strstr(variant->needs, "avx512f"))
         return "valgrind has no AVX-512: take packet-avx2";
-    return NULL;
+    return rb_variant_available(variant) ? NULL : "this machine or build lacks what it needs";
 }
 
 void rb_simulate_mask(void)
@@ -118,8 +118,6 @@ enum rb_status rb_simulate_cell(struct rb_cell *cell, const char *program, uint3
 {
     struct rb_worker_words words = {.count = 0};
     struct rb_settings settings = cell->settings;
-    if (rb_simulate_refusal(cell->variant))
-        return rb_error_set(error, RB_INVALID, "%s", rb_simulate_refusal(cell->variant));
     struct rb_simulated *simulated = rb_alloc(1, sizeof *simulated);
     if (!simulated)
         return rb_error_memory(error, "the simulation");
