@@ -67,6 +67,13 @@ static int process_count(const struct rb_arguments *arguments)
     return arguments->bench.processes ? arguments->bench.processes : PROCESSES_DEFAULT;
 }
 
+// Seconds of a process.
+static double slice_s(const struct rb_arguments *arguments)
+{
+    double seconds = arguments->budget_s > 0 ? arguments->budget_s : SECONDS_DEFAULT;
+    return seconds / process_count(arguments);
+}
+
 // The command line of a worker that replays a unit.
 static void unit_words(const struct rb_replay_run *run, const struct rb_replay_unit *unit,
                        struct rb_worker_words *words)
@@ -83,9 +90,12 @@ static void unit_words(const struct rb_replay_run *run, const struct rb_replay_u
 static void frame_words(const struct rb_replay_run *run, struct rb_worker_words *words)
 {
     const struct rb_record_contents *contents = &run->record.contents;
-    rb_reference_words(&run->reference.settings, run->program, run->in_place.variant, words);
-    rb_worker_word(words, "--expect=%" PRIx64 ":%" PRIx64, contents->image_hash,
-                   contents->hits_hash);
+    rb_reference_words(&run->in_place.settings, run->program, run->in_place.variant, words);
+    if (run->in_place.group_tiles)
+        rb_worker_word(words, "--group-tiles=%u", run->in_place.group_tiles);
+    else
+        rb_worker_word(words, "--expect=%" PRIx64 ":%" PRIx64, contents->image_hash,
+                       contents->hits_hash);
 }
 
 static bool keep_sample(void *user, const struct rb_sample *sample)
@@ -128,8 +138,7 @@ static void run_turn(struct rb_replay_run *run, const struct rb_arguments *argum
     } else {
         frame_words(run, &words);
     }
-    double seconds = arguments->budget_s > 0 ? arguments->budget_s : SECONDS_DEFAULT;
-    rb_worker_word(&words, "--slice=%.4f", seconds / process_count(arguments));
+    rb_worker_word(&words, "--slice=%.4f", slice_s(arguments));
     rb_worker_word(&words, "--cpu=%d", choose_cpu(round));
     rb_worker_word(&words, "--process=%d", round);
     rb_worker_word(&words, "--");
@@ -208,6 +217,17 @@ static enum rb_status prepare(struct rb_replay_run *run, const struct rb_variant
     return RB_OK;
 }
 
+// Frames that take too long are measured in groups of tiles, as bench does.
+static void prepare_frames(struct rb_replay_run *run, const struct rb_scene *scene, double slice)
+{
+    struct rb_reference *reference = &run->reference;
+    reference->primitive_count = scene->primitive_count;
+    for (int kind = 0; kind < RB_BATCH_KIND_COUNT; kind++)
+        for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
+            reference->rays += (double)run->record.contents.of[RB_CLASS_IMAGE][kind][bounce].rays;
+    rb_reference_choose_group(&run->in_place, slice);
+}
+
 // The exit code: 2 if anything differed, 1 if anything crashed.
 static int judge(const struct rb_replay_run *run)
 {
@@ -233,7 +253,7 @@ static int measure(struct rb_replay_run *run, const struct rb_arguments *argumen
     int code = rb_record_open_scene(&run->record, run->path, arguments, &scene);
     if (code)
         return code;
-    run->reference.primitive_count = scene.primitive_count;
+    prepare_frames(run, &scene, slice_s(arguments));
     rb_scene_free(&scene);
     rb_clock_begin();
     rb_process_catch_signals();

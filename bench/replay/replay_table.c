@@ -67,11 +67,13 @@ static void print_unit(const struct rb_replay_run *run, const struct rb_replay_u
                           ? rb_cell_ns_per_ray(&run->in_place, kernel, bounce).p10
                           : (double)NAN;
     rb_cell_flags(&unit->cell, false, run->probe_ns, flags);
-    printf(" %9s  %-18s %7s %7s %8s %2zu  %8s  %6s %-16s %s\n", format(figure.value, value),
+    bool sampled = unit->cell.samples[0].stage[kernel][bounce].rays < unit->rays;
+    printf(" %9s  %-18s %7s %7s %8s %2zu  %8s  %6s %-16s %s%s%s\n", format(figure.value, value),
            format_interval(figure.low, figure.high, interval), format(figure.min, min),
            format(figure.p10, p10), format(1e3 / figure.value, rate), figure.n,
            format(in_place, frame), format(ratio.value, times),
-           format_interval(ratio.low, ratio.high, spread), flags);
+           format_interval(ratio.low, ratio.high, spread), sampled ? "estimated" : "",
+           sampled && flags[0] ? ";" : "", flags);
 }
 
 void rb_replay_print(const struct rb_replay_run *run)
