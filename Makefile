@@ -3,7 +3,7 @@
 # Variables a caller may set:
 #   CC=gcc|clang  OPT=-O2  WERROR=1  SANITIZE=address,undefined  CFLAGS=... LDFLAGS=...
 #   CONFIG=release         objects and programs go to build/$(CONFIG)
-#   OPENMP=0  PNG=0        build without what was found on this machine
+#   OPENMP=0  PNG=0  VALGRIND=0   build without what was found on this machine
 #   PREFIX=/usr/local      where `make install` puts things, below DESTDIR
 
 ifeq ($(origin CC),default)
@@ -23,12 +23,15 @@ endif
 ifndef PNG
 PNG := $(call works,-lpng,png.h)
 endif
+ifndef VALGRIND
+VALGRIND := $(call works,,valgrind/callgrind.h)
+endif
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion \
             -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wundef
 # Exactness: no contraction into FMA. No errno, so that sqrtf is the instruction.
 EXACT    := -ffp-contract=off -fno-math-errno
-INCLUDE  := -Isrc -I. -DRB_PNG=$(PNG) -MMD -MP
+INCLUDE  := -Isrc -I. -DRB_PNG=$(PNG) -DRB_VALGRIND=$(VALGRIND) -MMD -MP
 NEEDED   := -std=c11 -g $(OPT) $(WARNINGS) $(if $(WERROR),-Werror) \
             $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-sanitize-recover=all)
 LINK     := $(if $(SANITIZE),-fsanitize=$(SANITIZE))
@@ -63,7 +66,7 @@ PLANS    := $(sort $(wildcard bench/plans/*.plan))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench table selftest overhead test unit exact check fuzz setup install clean help force
+.PHONY: all bench table simulate selftest overhead test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -75,6 +78,11 @@ bench: all
 ## table: the render times of Table 1, about 15 minutes (CHECK=1: are the committed files stale?)
 table: all
 	$(B)/raybench table $(if $(CHECK),--check) $(TABLE)
+
+## simulate: instructions and misses per ray from a simulator (SCENE=mount_high VARIANT=bvh)
+SCENE    ?= balls_high
+simulate: all
+	$(B)/raybench simulate $(SCENE) $(if $(VARIANT),--variant $(VARIANT)) $(SIMULATE)
 
 ## selftest: verdicts on the program against itself, and on known slow-downs; three minutes
 selftest: all

@@ -34,6 +34,12 @@ bool rb_cell_add(struct rb_cell *cell, const struct rb_sample *sample)
     return true;
 }
 
+void rb_cell_release(struct rb_cell *cell)
+{
+    rb_free(cell->samples);
+    rb_free(cell->simulated);
+}
+
 bool rb_cell_has_time(const struct rb_cell *cell)
 {
     return cell->state == RB_CELL_OPEN && cell->sample_count > 0;

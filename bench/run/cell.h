@@ -5,6 +5,7 @@
 
 #include "bench/data/stats.h"
 #include "bench/run/sample.h"
+#include "bench/simulate/simulated.h"
 #include "render/settings.h"
 #include "render/variants.h"
 
@@ -39,8 +40,9 @@ struct rb_cell {
     double group_population;
     struct rb_sample *samples; // by process, then repetition
     size_t sample_count, sample_room;
-    uint32_t process_count; // processes that have ended well
-    double cost_s;          // wall time of the last of them
+    uint32_t process_count;         // processes that have ended well
+    double cost_s;                  // wall time of the last of them
+    struct rb_simulated *simulated; // NULL: not simulated; its own, as the samples
 };
 
 // A number over the repetitions and processes of a cell. NaN where it cannot be known.
@@ -77,6 +79,9 @@ const char *rb_cell_note(const struct rb_cell *cell); // why there is none, or t
 
 // Words separated by ';' that say what to beware of; see results/README.md.
 void rb_cell_flags(const struct rb_cell *cell, bool partial, double probe_ns, char text[128]);
+
+// Frees what the cell owns.
+void rb_cell_release(struct rb_cell *cell);
 
 // Appends a sample. False without memory.
 bool rb_cell_add(struct rb_cell *cell, const struct rb_sample *sample);

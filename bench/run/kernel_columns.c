@@ -139,6 +139,61 @@ static struct rb_value steal_ms(const struct rb_line *line)
     return sum(line->cell, steal_of);
 }
 
+// What a simulator has seen of a kernel at a bounce; nothing where it was not simulated.
+static bool simulated(const struct rb_line *line, struct rb_simulated_figures *figures)
+{
+    if (!line->cell->simulated || !line->counts)
+        return false;
+    *figures = rb_simulated_figures(&line->cell->simulated->place[line->stage][line->bounce]);
+    return !isnan(figures->cycles);
+}
+
+#define SIMULATED(column, field)                                                                   \
+    static struct rb_value column(const struct rb_line *line)                                      \
+    {                                                                                              \
+        struct rb_simulated_figures figures;                                                       \
+        return simulated(line, &figures) ? rb_number(figures.field) : rb_none();                   \
+    }
+SIMULATED(instructions_per_ray, instructions)
+SIMULATED(l1d_misses_per_ray, l1_misses)
+SIMULATED(llc_misses_per_ray, ll_misses)
+SIMULATED(branch_misses_per_ray, branch_misses)
+SIMULATED(model_cycles_per_ray, cycles)
+SIMULATED(compute_pct, compute_pct)
+SIMULATED(memory_stall_pct, memory_stall_pct)
+SIMULATED(other_pct, other_pct)
+
+static struct rb_value counter_source(const struct rb_line *line)
+{
+    struct rb_simulated_figures figures;
+    return rb_text(simulated(line, &figures) ? RB_SIM_SOURCE : NULL);
+}
+
+static struct rb_value category_source(const struct rb_line *line)
+{
+    struct rb_simulated_figures figures;
+    return rb_text(simulated(line, &figures) ? RB_SIM_MODEL : NULL);
+}
+
+static struct rb_value simulated_rays(const struct rb_line *line)
+{
+    struct rb_simulated_figures figures;
+    return simulated(line, &figures)
+               ? rb_integer((int64_t)line->cell->simulated->place[line->stage][line->bounce].rays)
+               : rb_none();
+}
+
+// The text lives until the next call.
+static struct rb_value simulated_by(const struct rb_line *line)
+{
+    static char text[RB_SIMULATED_TEXT];
+    struct rb_simulated_figures figures;
+    if (!simulated(line, &figures))
+        return rb_none();
+    rb_simulated_describe(line->cell->simulated, text);
+    return rb_text(text);
+}
+
 // Filled by later kinds of runs.
 static struct rb_value later(const struct rb_line *line)
 {
@@ -173,17 +228,21 @@ const struct rb_column rb_kernel_columns[] = {
     {"steal_ms", steal_ms},
     {"flags", rb_cell_flag_words},
     {"cycles_per_ray", later},
-    {"instructions_per_ray", later},
-    {"l1d_misses_per_ray", later},
-    {"llc_misses_per_ray", later},
-    {"branch_misses_per_ray", later},
-    {"compute_pct", later},
+    {"instructions_per_ray", instructions_per_ray},
+    {"l1d_misses_per_ray", l1d_misses_per_ray},
+    {"llc_misses_per_ray", llc_misses_per_ray},
+    {"branch_misses_per_ray", branch_misses_per_ray},
+    {"compute_pct", compute_pct},
     {"compute_stall_pct", later},
-    {"memory_stall_pct", later},
-    {"other_pct", later},
-    {"counter_source", later},
+    {"memory_stall_pct", memory_stall_pct},
+    {"other_pct", other_pct},
+    {"counter_source", counter_source},
     {"nj_per_ray", later},
     {"energy_source", later},
     {"schema_version", rb_schema_version},
+    {"model_cycles_per_ray", model_cycles_per_ray},
+    {"category_source", category_source},
+    {"simulated_rays", simulated_rays},
+    {"simulated_by", simulated_by},
     {.name = NULL},
 };

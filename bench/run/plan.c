@@ -159,7 +159,7 @@ enum rb_status rb_plan_parse(const struct rb_command *command, struct rb_plan *p
 void rb_plan_free(struct rb_plan *plan)
 {
     for (int i = 0; i < plan->cell_count; i++)
-        rb_free(plan->cells[i].samples);
+        rb_cell_release(&plan->cells[i]);
     rb_free(plan->cells);
     rb_free(plan->references);
     free(plan->text);

@@ -3,6 +3,9 @@
 #include "base/hash.h"
 #include "base/memory.h"
 
+#include <math.h>
+#include <string.h>
+
 enum rb_status rb_tiles_shuffle(struct rb_tiles *tiles, int width, int height, uint64_t seed,
                                 struct rb_error *error)
 {
@@ -27,4 +30,28 @@ void rb_tiles_group(const struct rb_tiles *tiles, uint32_t size, uint32_t g,
     uint32_t groups = tiles->total / size;
     how->tiles = tiles->order + (size_t)(g % groups) * size;
     how->tile_count = size;
+}
+
+enum rb_status rb_tiles_runs(struct rb_tiles *tiles, uint32_t all, uint32_t count, uint64_t seed,
+                             struct rb_run_options *how, struct rb_error *error)
+{
+    count = count < all ? count : all;
+    tiles->total = 2 * count;
+    tiles->order = rb_alloc(tiles->total, sizeof *tiles->order);
+    if (!tiles->order)
+        return rb_error_memory(error, "the sample of tiles");
+    uint64_t runs = (uint64_t)ceil(sqrt(count));
+    uint32_t used = 0;
+    for (uint64_t run = 0; run < runs; run++) {
+        // Each run has its share of the tiles, and of those that are left over.
+        uint64_t begin = run * (all - count) / runs, end = (run + 1) * (all - count) / runs;
+        uint32_t skipped = (uint32_t)(begin + rb_hash_word(seed, run) % (end - begin + 1));
+        for (uint32_t last = (uint32_t)((run + 1) * count / runs); used < last; used++)
+            tiles->order[used] = skipped + used;
+    }
+    memcpy(tiles->order + count, tiles->order, count * sizeof *tiles->order);
+    how->tiles = tiles->order;
+    how->tile_count = tiles->total;
+    how->simulate_from = count;
+    return RB_OK;
 }

@@ -4,6 +4,7 @@
 #include "bench/run/repeat.h"
 #include "bench/run/tiles.h"
 #include "cli/commands.h"
+#include "measure/simulate.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -22,6 +23,8 @@ static const struct rb_option options[] = {
     {"--process", "N", RB_OPTION_INT, BENCH(process), 0, 1e6, "round, for the samples"},
     {"--group-tiles", "N", RB_OPTION_INT, BENCH(group_tiles), 0, 1e9,
      "render a random group of so many small tiles, the process's own, instead of frames"},
+    {"--simulate-tiles", "N", RB_OPTION_INT, BENCH(simulate_tiles), 0, 1e9,
+     "render so many tiles twice, the second time as laps of a simulator"},
     {"--quiet", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, quiet), 0, 0, "no warnings"},
     {.name = NULL},
 };
@@ -100,6 +103,26 @@ static enum rb_status run_group(struct worker *worker, const struct rb_scene *sc
     return status == RB_OK && sample->mismatch ? RB_INVALID : status;
 }
 
+// Renders runs of tiles, under a simulator or natively: then the sample says what hits and rays the
+// simulator must have.
+static enum rb_status run_simulated(struct worker *worker, struct rb_error *error)
+{
+    struct rb_repeater *repeater = &worker->repeater;
+    struct rb_run_result result;
+    const struct rb_arguments *arguments = worker->arguments;
+    enum rb_status status = rb_tiles_runs(
+        &worker->tiles, rb_renderer_tile_count(repeater->renderer),
+        (uint32_t)arguments->bench.simulate_tiles, arguments->settings.seed, &repeater->how, error);
+    if (status)
+        return status;
+    repeater->how.hash_hits = true;
+    rb_simulate_start();
+    rb_repeater_measure(repeater, &result);
+    rb_simulate_end(result.hits_hash, rb_variant_resolve(rb_open_variant(arguments))->name);
+    repeater->sample.hits_hash = result.hits_hash;
+    return rb_repeater_send(repeater, error);
+}
+
 static enum rb_status run_frames(struct worker *worker, struct rb_error *error)
 {
     if (!verify(worker))
@@ -158,8 +181,11 @@ static int run(const struct rb_arguments *arguments)
     int code = rb_open_renderer(arguments, &scene, &worker.repeater.renderer);
     if (code)
         return code;
-    status = arguments->bench.group_tiles ? run_group(&worker, &scene, &error)
-                                          : run_frames(&worker, &error);
+    if (arguments->bench.simulate_tiles)
+        status = run_simulated(&worker, &error);
+    else
+        status = arguments->bench.group_tiles ? run_group(&worker, &scene, &error)
+                                              : run_frames(&worker, &error);
     rb_free(worker.tiles.order);
     rb_renderer_free(worker.repeater.renderer);
     rb_scene_free(&scene);

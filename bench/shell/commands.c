@@ -7,6 +7,7 @@
 #include "bench/replay/replay.h"
 #include "bench/replay/replay_worker.h"
 #include "bench/run/bench.h"
+#include "bench/run/simulate_command.h"
 #include "bench/run/worker.h"
 #include "bench/shell/completions.h"
 #include "bench/shell/man.h"
@@ -24,6 +25,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_scene,
     &rb_command_list,
     &rb_command_bench,
+    &rb_command_simulate,
     &rb_command_compare,
     &rb_command_export,
     &rb_command_table,

@@ -68,7 +68,7 @@ enum rb_status rb_hyperfine_run(char *const argv[], int warmups, int runs, const
     struct rb_timed_result whole;
     char *text;
     size_t length;
-    enum rb_status status = rb_timed_run(words, log, &whole, error);
+    enum rb_status status = rb_timed_run(words, NULL, log, &whole, error);
     if (status == RB_OK)
         status = rb_file_read(json, &text, &length, error);
     if (status)

@@ -83,7 +83,7 @@ enum rb_status rb_render_session_time(const struct rb_render_session *session,
 {
     struct command command;
     make_command(session, cell, edge, &command);
-    return rb_timed_run((char *const *)command.words, session->log, time, error);
+    return rb_timed_run((char *const *)command.words, NULL, session->log, time, error);
 }
 
 enum rb_status rb_render_session_hyperfine(const struct rb_render_session *session,

@@ -33,7 +33,8 @@ int rb_timed_interrupted(void)
     return interrupted;
 }
 
-static int spawn(char *const argv[], const char *log, const sigset_t *mask, pid_t *pid)
+static int spawn(char *const argv[], char *const environment[], const char *log,
+                 const sigset_t *mask, pid_t *pid)
 {
     posix_spawn_file_actions_t files;
     posix_spawnattr_t attributes;
@@ -52,7 +53,9 @@ static int spawn(char *const argv[], const char *log, const sigset_t *mask, pid_
         cause = cause ? cause
                       : posix_spawn_file_actions_addopen(&files, 2, log,
                                                          O_WRONLY | O_CREAT | O_TRUNC, 0666);
-        cause = cause ? cause : posix_spawnp(pid, argv[0], &files, &attributes, argv, environ);
+        cause = cause ? cause
+                      : posix_spawnp(pid, argv[0], &files, &attributes, argv,
+                                     environment ? environment : environ);
         posix_spawnattr_destroy(&attributes);
     }
     posix_spawn_file_actions_destroy(&files);
@@ -66,15 +69,15 @@ static double seconds(struct timeval time)
 
 // Starts the process and reaps it. 0, or the errno of what failed. The signals wait until there is
 // a process to pass them on to.
-static int run_and_reap(char *const argv[], const char *log, const sigset_t *blocked,
-                        struct rb_timed_result *time, int *wait_status)
+static int run_and_reap(char *const argv[], char *const environment[], const char *log,
+                        const sigset_t *blocked, struct rb_timed_result *time, int *wait_status)
 {
     sigset_t old_mask;
     struct rusage usage;
     pid_t pid = 0, reaped;
     sigprocmask(SIG_BLOCK, blocked, &old_mask);
     uint64_t start_ns = rb_clock_ns();
-    int cause = spawn(argv, log, &old_mask, &pid);
+    int cause = spawn(argv, environment, log, &old_mask, &pid);
     child = cause ? 0 : pid;
     sigprocmask(SIG_SETMASK, &old_mask, NULL);
     if (cause)
@@ -123,8 +126,8 @@ static enum rb_status judge(const char *program, const char *log, int wait_statu
                         WEXITSTATUS(wait_status), said[0] ? said : "it does not say why");
 }
 
-enum rb_status rb_timed_run(char *const argv[], const char *log, struct rb_timed_result *time,
-                            struct rb_error *error)
+enum rb_status rb_timed_run(char *const argv[], char *const environment[], const char *log,
+                            struct rb_timed_result *time, struct rb_error *error)
 {
     struct sigaction action = {.sa_handler = pass_on}, old[PASSED_ON_COUNT];
     sigemptyset(&action.sa_mask);
@@ -136,7 +139,8 @@ enum rb_status rb_timed_run(char *const argv[], const char *log, struct rb_timed
     for (int i = 0; i < PASSED_ON_COUNT; i++)
         if (old[i].sa_handler != SIG_IGN) // nohup stays in force
             sigaction(passed_on[i], &action, NULL);
-    int wait_status = 0, cause = run_and_reap(argv, log, &action.sa_mask, time, &wait_status);
+    int wait_status = 0,
+        cause = run_and_reap(argv, environment, log, &action.sa_mask, time, &wait_status);
     for (int i = 0; i < PASSED_ON_COUNT; i++)
         sigaction(passed_on[i], &old[i], NULL);
     if (cause)

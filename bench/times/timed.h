@@ -13,11 +13,12 @@ struct rb_timed_result {
     double user_s, system_s; // of the process and what it waited for, all threads
 };
 
-// Runs argv[0], looked up on PATH if it has no slash. Its standard input and output are /dev/null,
+// Runs argv[0], looked up on PATH if it has no slash, with `environment` or, if that is NULL, with
+// ours. Its standard input and output are /dev/null,
 // its standard error goes to the file `log`, whose last line explains a failure. RB_FAILED if it
 // cannot be started, exits with another code than 0, or a signal ends it or us.
-enum rb_status rb_timed_run(char *const argv[], const char *log, struct rb_timed_result *time,
-                            struct rb_error *error);
+enum rb_status rb_timed_run(char *const argv[], char *const environment[], const char *log,
+                            struct rb_timed_result *time, struct rb_error *error);
 
 // The signal that arrived during the last run and asks us to end, 0 if none did. The caller tidies
 // up and raises it again.

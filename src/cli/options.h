@@ -30,6 +30,8 @@ struct rb_bench_arguments {
     const char *classes; // of rays, to record
     int bounce;          // to replay
     bool list;
+    const char *l1, *ll; // of a simulation, as the next one
+    int simulate_tiles;
 };
 
 // Everything any command can be told. Zero or NULL means not given.

@@ -29,6 +29,7 @@ struct rb_frame {
     const struct rb_replay *replay;     // instead of tiles; may be NULL
     enum rb_stage slow_stage;
     double slow_share;
+    uint32_t simulate_from; // index into `tiles`; 0: never
     bool count;
     uint32_t heat_of;
     uint64_t *heat, *tile_ticks;

@@ -8,6 +8,7 @@
 // not by the number of rays.
 #include "base/fpenv.h"
 #include "base/hash.h"
+#include "measure/simulate.h"
 #include "render/frame.h"
 
 // Of the counts of a stage, what its rays have cost their pixels.
@@ -27,6 +28,8 @@ void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, ui
     if (frame->slow_share > 0 && stage == frame->slow_stage)
         rb_probe_spin(&worker->recorder, frame->slow_share);
     rb_probe_lap(&worker->recorder, stage, bounce, rays);
+    if (frame->simulate_from)
+        rb_simulate_lap(stage, bounce, rays);
     if (frame->count)
         rb_counts_take(&worker->counts.at[stage][bounce]);
 }
@@ -187,6 +190,13 @@ static void render_tile(struct rb_worker *worker, uint32_t tile)
         }
 }
 
+// Hashing would be booked on the stage that follows, and push its data out of the L1 cache.
+static void begin_simulation(struct rb_worker *worker)
+{
+    worker->frame->hash_hits = false;
+    rb_simulate_begin();
+}
+
 void rb_worker_run(struct rb_worker *worker)
 {
     struct rb_frame *frame = worker->frame;
@@ -199,6 +209,8 @@ void rb_worker_run(struct rb_worker *worker)
         uint32_t next = atomic_fetch_add(&frame->next_tile, 1);
         if (next >= frame->tile_count)
             break;
+        if (frame->simulate_from && next == frame->simulate_from)
+            begin_simulation(worker);
         uint32_t tile = frame->tiles ? frame->tiles[next] : next;
         uint64_t start = worker->recorder.last;
         render_tile(worker, tile);
@@ -210,5 +222,7 @@ void rb_worker_run(struct rb_worker *worker)
         rb_worker_lap(worker, RB_STAGE_OTHER, 0, 0);
     }
     rb_counting.cost = NULL;
+    if (frame->simulate_from)
+        rb_simulate_stop();
     rb_fpenv_leave(&saved);
 }

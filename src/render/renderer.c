@@ -158,6 +158,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     frame->replay = options->replay;
     frame->slow_stage = options->slow_stage;
     frame->slow_share = options->slow_share;
+    frame->simulate_from = options->simulate_from;
     frame->kernels = options->counts ? renderer->variant->counted : renderer->variant->kernels;
     frame->count = options->counts != NULL;
     frame->heat = options->heat;

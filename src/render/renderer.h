@@ -57,6 +57,9 @@ struct rb_run_options {
     // A test's wish: the stage takes this share longer, spinning. 0: no.
     enum rb_stage slow_stage;
     double slow_share;
+    // For one worker, with `tiles`: from this index on, stages are laps of measure/simulate.h, and
+    // hits are not hashed; 0: none. The tiles before it warm the caches.
+    uint32_t simulate_from;
     // Called by one of the workers after each of its tiles; may be NULL.
     void (*progress)(void *user, uint32_t done, uint32_t total);
     void *user;

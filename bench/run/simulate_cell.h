@@ -1,0 +1,18 @@
+// Simulating cells: which rows can be, how much of a frame, and that it was the right work.
+#ifndef RB_RUN_SIMULATE_CELL_H
+#define RB_RUN_SIMULATE_CELL_H
+
+#include "bench/run/cell.h"
+
+// Why the row cannot be simulated, and which one to take instead; NULL if it can.
+const char *rb_simulate_refusal(const struct rb_variant *variant);
+
+// Simulates runs of tiles of the cell with `program`, after one warm pass over them, and gives the
+// result to the cell: so many tiles, or as many as take about ten seconds if `tiles` is 0. How many
+// that are follows from rays and primitives alone, so that two runs simulate the same. The
+// reference must be made. The cell gets nothing where this fails: RB_INVALID if the row cannot be
+// simulated or hits or rays are not those of a native run of the same tiles, else RB_FAILED.
+enum rb_status rb_simulate_cell(struct rb_cell *cell, const char *program, uint32_t tiles,
+                                const struct rb_caches *caches, struct rb_error *error);
+
+#endif
