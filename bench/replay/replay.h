@@ -29,7 +29,8 @@ struct rb_replay_run {
     double probe_ns;
 };
 
-// The results, on standard output (replay_table.c).
+// What is replayed, and the times, on standard output (replay_table.c).
+void rb_replay_print_head(const struct rb_replay_run *run);
 void rb_replay_print(const struct rb_replay_run *run);
 
 #endif

@@ -91,12 +91,17 @@ static void print_unit(const struct rb_replay_run *run, const struct rb_replay_u
            sampled && flags[0] ? ";" : "", flags);
 }
 
-void rb_replay_print(const struct rb_replay_run *run)
+void rb_replay_print_head(const struct rb_replay_run *run)
 {
     const struct rb_record_header *header = &run->record.header;
     printf("%s: %d x %d, depth %d, %" PRIu32 " primitives; recorded by %s, replayed by %s\n",
            header->scene, header->settings.width, header->settings.height, header->settings.depth,
            run->reference.primitive_count, header->row, run->in_place.variant->name);
+    fflush(stdout);
+}
+
+void rb_replay_print(const struct rb_replay_run *run)
+{
     printf("\n  %-10s %-12s %6s %9s %9s  %-18s %7s %7s %8s %2s  %8s  %-23s %s\n", "class", "kernel",
            "bounce", "rays", "ns/ray", "95 % interval", "min", "p10", "Mrays/s", "n", "in place",
            "x in place", "flags");

@@ -5,7 +5,9 @@
 #include "bench/replay/source.h"
 #include "bench/run/repeat.h"
 #include "cli/commands.h"
+#include "measure/simulate.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -17,6 +19,8 @@ static const struct rb_option options[] = {
     {"--slice", "S", RB_OPTION_NUMBER, BENCH(slice_s), 0, 1e6, "seconds the process may take"},
     {"--cpu", "N", RB_OPTION_INT, BENCH(cpu), -1, 65535, "processor to stay on; -1: any"},
     {"--process", "N", RB_OPTION_INT, BENCH(process), 0, 1e6, "round, for the samples"},
+    {"--simulate-batches", "N", RB_OPTION_INT, BENCH(simulate_tiles), 0, 1e9,
+     "two rounds over so many batches, the second one as laps of a simulator"},
     {.name = NULL},
 };
 
@@ -76,10 +80,10 @@ static void drop_groups(struct rb_replay_source *source, const size_t *dropped, 
     source->record.batches.count = source->replay.count = kept;
 }
 
-// Batches of a slow row that cannot all be verified in their share of the time are left out, by
-// chance: what is replayed then is a random sample, another one in every process.
-static enum rb_status verify(const struct rb_repeater *repeater, struct rb_replay_source *source,
-                             struct rb_error *error)
+// Verifies batches in random order until there are `most` of them or the time is up; the others are
+// left out. What is replayed then is a random sample, another one in every process.
+static enum rb_status verify(struct rb_repeater *repeater, struct rb_replay_source *source,
+                             size_t most, double limit_s, struct rb_error *error)
 {
     struct rb_replay *replay = &source->replay;
     size_t count, done = 0;
@@ -87,16 +91,19 @@ static enum rb_status verify(const struct rb_repeater *repeater, struct rb_repla
     if (!order)
         return rb_error_memory(error, "the order of the batches");
     uint64_t start_ns = rb_clock_ns();
-    double limit_ns = VERIFY_SHARE * repeater->slice_s * 1e9;
     enum rb_status status = RB_OK;
-    while (status == RB_OK && done < count &&
-           (done == 0 || (double)(rb_clock_ns() - start_ns) < limit_ns)) {
+    while (status == RB_OK && done < count && done < most &&
+           (done == 0 || (double)(rb_clock_ns() - start_ns) < limit_s * 1e9)) {
         size_t first = order[done++];
         status = rb_replay_verify(source->renderer, replay, first,
                                   rb_replay_group_end(replay, first), error);
     }
     drop_groups(source, order + done, count - done);
     rb_free(order);
+    if (status == RB_INVALID) {
+        repeater->sample.mismatch = true;
+        rb_repeater_send(repeater, NULL);
+    }
     return status;
 }
 
@@ -107,13 +114,8 @@ static enum rb_status measure(struct rb_repeater *repeater, struct rb_replay_sou
 {
     struct rb_run_result result;
     size_t count = source->replay.count;
-    repeater->renderer = source->renderer;
-    repeater->how.replay = &source->replay;
-    enum rb_status status = verify(repeater, source, error);
-    if (status == RB_INVALID) {
-        repeater->sample.mismatch = true;
-        rb_repeater_send(repeater, NULL);
-    }
+    enum rb_status status =
+        verify(repeater, source, SIZE_MAX, VERIFY_SHARE * repeater->slice_s, error);
     if (status)
         return status;
     rb_repeater_measure(repeater, &result);
@@ -123,6 +125,22 @@ static enum rb_status measure(struct rb_repeater *repeater, struct rb_replay_sou
         source->replay.rounds = choose_rounds(result.wall_ns);
     rb_repeater_warm_up(repeater);
     return rb_repeater_run(repeater, error);
+}
+
+// Some batches once to warm the simulated caches, and once to count.
+static enum rb_status simulate(struct rb_repeater *repeater, struct rb_replay_source *source,
+                               size_t batches, const char *row, struct rb_error *error)
+{
+    struct rb_run_result result;
+    enum rb_status status = verify(repeater, source, batches, (double)INFINITY, error);
+    if (status)
+        return status;
+    source->replay.rounds = 2;
+    repeater->how.simulate_from = 1;
+    rb_simulate_start();
+    rb_repeater_measure(repeater, &result);
+    rb_simulate_end(0, row);
+    return rb_repeater_send(repeater, error);
 }
 
 static int run(const struct rb_arguments *arguments)
@@ -144,7 +162,13 @@ static int run(const struct rb_arguments *arguments)
     if (code)
         return code;
     snprintf(error.file, sizeof error.file, "%.255s", arguments->positional[0]);
-    status = measure(&repeater, &source, &error);
+    repeater.renderer = source.renderer;
+    repeater.how.replay = &source.replay;
+    if (arguments->bench.simulate_tiles)
+        status = simulate(&repeater, &source, (size_t)arguments->bench.simulate_tiles,
+                          rb_replay_variant(arguments)->name, &error);
+    else
+        status = measure(&repeater, &source, &error);
     rb_replay_source_close(&source);
     return status ? rb_report(status, &error) : 0;
 }

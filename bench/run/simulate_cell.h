@@ -7,6 +7,9 @@
 // Why the row cannot be simulated, and which one to take instead; NULL if it can.
 const char *rb_simulate_refusal(const struct rb_variant *variant);
 
+// Rays that the simulator gets through in about five seconds with the row of the cell.
+double rb_simulate_affordable_rays(const struct rb_cell *cell);
+
 // Simulates runs of tiles of the cell with `program`, after one warm pass over them, and gives the
 // result to the cell: so many tiles, or as many as take about ten seconds if `tiles` is 0. How many
 // that are follows from rays and primitives alone, so that two runs simulate the same. The

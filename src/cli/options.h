@@ -30,6 +30,7 @@ struct rb_bench_arguments {
     const char *classes; // of rays, to record
     int bounce;          // to replay
     bool list;
+    const char *mode;    // time, count, simulate
     const char *l1, *ll; // of a simulation, as the next one
     int simulate_tiles;
 };

@@ -1,6 +1,7 @@
 #include "render/replay.h"
 
 #include "base/fpenv.h"
+#include "measure/simulate.h"
 #include "render/frame.h"
 #include "render/inside.h"
 
@@ -234,9 +235,14 @@ void rb_worker_replay(struct rb_worker *worker)
     fenv_t saved;
     rb_fpenv_enter(&saved);
     rb_probe_start(&worker->recorder);
-    for (uint32_t round = 0; round < call.replay->rounds; round++)
+    for (uint32_t round = 0; round < call.replay->rounds; round++) {
+        if (round && round == worker->frame->simulate_from)
+            rb_simulate_begin();
         for (call.index = 0; call.index < call.replay->count; call.index++)
             run_call(worker, &call);
+    }
+    if (worker->frame->simulate_from)
+        rb_simulate_stop();
     rb_fpenv_leave(&saved);
 }
 

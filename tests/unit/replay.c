@@ -121,6 +121,27 @@ static void check_laps(void)
     }
 }
 
+// A kernel alone counts what it counts in a frame.
+static void check_kernel_counts(const char *row)
+{
+    static struct rb_count_table frame, alone;
+    bool same = true, any = true;
+    for (int kernel = 0; kernel < RB_KERNEL_COUNT; kernel++) {
+        struct player player;
+        struct rb_run_result result;
+        open_player(&player, row, RB_CLASS_IMAGE, (enum rb_stage)kernel, -1);
+        const struct rb_run_options in_place = {.counts = &frame};
+        const struct rb_run_options how = {.replay = &player.replay, .counts = &alone};
+        frame = alone = (struct rb_count_table){0};
+        rb_renderer_run(player.renderer, &in_place, &result);
+        rb_renderer_run(player.renderer, &how, &result);
+        same = same && memcmp(frame.at[kernel], alone.at[kernel], sizeof alone.at[kernel]) == 0;
+        any = any && alone.at[kernel][0].of[RB_COUNT_STEPS] > 0;
+        close_player(&player);
+    }
+    ok(same && any, "%s: every kernel counts what it does in a frame", row);
+}
+
 // Changes an element of an array of a batch and expects to be told about it.
 static void check_change(enum rb_stage kernel, struct player *player, struct rb_members members,
                          const char *member, uint32_t ray)
@@ -294,6 +315,8 @@ int main(void)
         ok(record(names[i], plain), "%s", names[i]);
         check_rows(names[i]);
         check_laps();
+        check_kernel_counts("bvh");
+        check_kernel_counts(serial);
         check_classes();
         check_differences();
         check_counts();
