@@ -37,6 +37,7 @@ bool rb_cell_add(struct rb_cell *cell, const struct rb_sample *sample)
 void rb_cell_release(struct rb_cell *cell)
 {
     rb_free(cell->samples);
+    rb_free(cell->counted);
     rb_free(cell->simulated);
 }
 

@@ -6,6 +6,7 @@
 #include "bench/data/stats.h"
 #include "bench/run/sample.h"
 #include "bench/simulate/simulated.h"
+#include "render/counted.h"
 #include "render/settings.h"
 #include "render/variants.h"
 
@@ -30,6 +31,12 @@ enum rb_cell_state {
     RB_CELL_CRASHED,     // its process ended otherwise than it should
 };
 
+// What the kernels of a cell did, and for how many rays: in a frame, or in a group of tiles.
+struct rb_counted {
+    struct rb_sample sample;
+    struct rb_count_table table;
+};
+
 struct rb_cell {
     const struct rb_variant *variant;
     struct rb_reference *reference;
@@ -42,6 +49,7 @@ struct rb_cell {
     size_t sample_count, sample_room;
     uint32_t process_count;         // processes that have ended well
     double cost_s;                  // wall time of the last of them
+    struct rb_counted *counted;     // NULL: not counted; its own, as the samples
     struct rb_simulated *simulated; // NULL: not simulated; its own, as the samples
 };
 

@@ -194,6 +194,62 @@ static struct rb_value simulated_by(const struct rb_line *line)
     return rb_text(text);
 }
 
+// What a kernel did at a bounce, and for how many rays; nothing where it was not counted.
+static const struct rb_counts *counted(const struct rb_line *line, double *per_ray)
+{
+    if (!line->cell->counted || !line->counts)
+        return NULL;
+    uint64_t entries = line->cell->counted->sample.stage[line->stage][line->bounce].rays;
+    *per_ray = entries ? 1.0 / (double)entries : (double)NAN;
+    return entries ? &line->cell->counted->table.at[line->stage][line->bounce] : NULL;
+}
+
+#define COUNTED(column, counter)                                                                   \
+    static struct rb_value column(const struct rb_line *line)                                      \
+    {                                                                                              \
+        double per_ray;                                                                            \
+        const struct rb_counts *counts = counted(line, &per_ray);                                  \
+        return counts ? rb_number((double)counts->of[counter] * per_ray) : rb_none();              \
+    }
+COUNTED(nodes_per_ray, RB_COUNT_NODES)
+COUNTED(boxes_per_ray, RB_COUNT_BOXES)
+COUNTED(spheres_per_ray, RB_COUNT_SPHERES)
+COUNTED(triangles_per_ray, RB_COUNT_TRIANGLES)
+COUNTED(cones_per_ray, RB_COUNT_CONES)
+COUNTED(planes_per_ray, RB_COUNT_PLANES)
+COUNTED(hits_per_ray, RB_COUNT_HITS)
+COUNTED(occluded_per_ray, RB_COUNT_OCCLUDED)
+COUNTED(steps_per_ray, RB_COUNT_STEPS)
+COUNTED(lanes_active_per_ray, RB_COUNT_LANES_ACTIVE)
+COUNTED(lanes_possible_per_ray, RB_COUNT_LANES_POSSIBLE)
+COUNTED(tree_bytes_per_ray, RB_COUNT_TREE_BYTES)
+COUNTED(primitive_bytes_per_ray, RB_COUNT_PRIMITIVE_BYTES)
+COUNTED(stack_per_ray, RB_COUNT_STACK)
+COUNTED(shadings_per_ray, RB_COUNT_SHADINGS)
+
+static struct rb_value stack_max(const struct rb_line *line)
+{
+    double per_ray;
+    const struct rb_counts *counts = counted(line, &per_ray);
+    return counts ? rb_integer((int64_t)counts->stack_max) : rb_none();
+}
+
+static struct rb_value lane_use_pct(const struct rb_line *line)
+{
+    double per_ray;
+    const struct rb_counts *counts = counted(line, &per_ray);
+    return counts ? rb_number(rb_counts_lane_use_pct(counts)) : rb_none();
+}
+
+static struct rb_value counted_rays(const struct rb_line *line)
+{
+    double per_ray;
+    return counted(line, &per_ray)
+               ? rb_integer(
+                     (int64_t)line->cell->counted->sample.stage[line->stage][line->bounce].rays)
+               : rb_none();
+}
+
 // Filled by later kinds of runs.
 static struct rb_value later(const struct rb_line *line)
 {
@@ -244,5 +300,23 @@ const struct rb_column rb_kernel_columns[] = {
     {"category_source", category_source},
     {"simulated_rays", simulated_rays},
     {"simulated_by", simulated_by},
+    {"counted_rays", counted_rays},
+    {"nodes_per_ray", nodes_per_ray},
+    {"boxes_per_ray", boxes_per_ray},
+    {"spheres_per_ray", spheres_per_ray},
+    {"triangles_per_ray", triangles_per_ray},
+    {"cones_per_ray", cones_per_ray},
+    {"planes_per_ray", planes_per_ray},
+    {"hits_per_ray", hits_per_ray},
+    {"occluded_per_ray", occluded_per_ray},
+    {"steps_per_ray", steps_per_ray},
+    {"lanes_active_per_ray", lanes_active_per_ray},
+    {"lanes_possible_per_ray", lanes_possible_per_ray},
+    {"lane_use_pct", lane_use_pct},
+    {"tree_bytes_per_ray", tree_bytes_per_ray},
+    {"primitive_bytes_per_ray", primitive_bytes_per_ray},
+    {"stack_per_ray", stack_per_ray},
+    {"stack_max", stack_max},
+    {"shadings_per_ray", shadings_per_ray},
     {.name = NULL},
 };

@@ -8,15 +8,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char defaults[] = "# what is measured when nothing is said\n"
-                               "scenes = *\n"
-                               "variants = naive,bvh,bvh+omp,packet,packet+omp,fastest\n";
-
-// Kernels are compared where nothing but kernels differs.
-static const char defaults_against[] = "# what is measured against another program\n"
-                                       "scenes = *\n"
-                                       "variants = bvh,packet\n";
-
 enum { PATH_MAX_LENGTH = 1024 };
 
 // Finds plan NAME: a path that ends in .plan, or one of those that come with the program, in the
@@ -62,7 +53,8 @@ static enum rb_status copy_file(const char *path, FILE *text, struct rb_error *e
 // What concerns this call of the program and not what is measured.
 static bool is_private(const char *key)
 {
-    static const char *const keys[] = {"--out", "--resume", "--dry-run", "--quiet", "--help"};
+    static const char *const keys[] = {"--out",   "--resume",  "--dry-run",
+                                       "--quiet", "--heatmap", "-o"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (strcmp(key, keys[i]) == 0)
             return true;
@@ -89,8 +81,8 @@ static enum rb_status put_lines(const struct rb_arguments *given, bool plan_name
     return RB_OK;
 }
 
-enum rb_status rb_plan_compose(const struct rb_arguments *given, struct rb_plan *plan,
-                               struct rb_error *error)
+enum rb_status rb_plan_compose(const struct rb_arguments *given, const char *defaults,
+                               struct rb_plan *plan, struct rb_error *error)
 {
     char path[PATH_MAX_LENGTH] = "";
     size_t length;
@@ -102,7 +94,7 @@ enum rb_status rb_plan_compose(const struct rb_arguments *given, struct rb_plan 
     if (plan_named)
         status = copy_file(path, text, error);
     else
-        fputs(given->bench.against ? defaults_against : defaults, text);
+        fputs(defaults, text);
     snprintf(plan->file, sizeof plan->file, "%.255s", plan_named ? path : "");
     if (status == RB_OK)
         status = put_lines(given, plan_named, text, error);

@@ -21,9 +21,9 @@ struct rb_plan {
 };
 
 // Makes the text of a plan from what the user said: the plan file if one was named, else what is
-// measured by default, then the lines of the command line.
-enum rb_status rb_plan_compose(const struct rb_arguments *given, struct rb_plan *plan,
-                               struct rb_error *error);
+// `defaults`, then the lines of the command line.
+enum rb_status rb_plan_compose(const struct rb_arguments *given, const char *defaults,
+                               struct rb_plan *plan, struct rb_error *error);
 
 // Parses plan->text into plan->arguments; `command` has the options.
 enum rb_status rb_plan_parse(const struct rb_command *command, struct rb_plan *plan,

@@ -89,13 +89,12 @@ static int spawn_bound(char *const *words, const int ends[2], bool bind, pid_t *
     return problem;
 }
 
-// Reads one sample. Returns how many bytes there were; fewer than a sample at the end or after a
-// signal.
-static size_t read_sample(int from, struct rb_sample *sample)
+// Reads one record. Returns how many bytes there were; fewer at the end or after a signal.
+static size_t read_record(int from, char *record, size_t bytes)
 {
     size_t have = 0;
-    while (have < sizeof *sample && !rb_process_interrupted()) {
-        ssize_t got = read(from, (char *)sample + have, sizeof *sample - have);
+    while (have < bytes && !rb_process_interrupted()) {
+        ssize_t got = read(from, record + have, bytes - have);
         if (got == 0 || (got < 0 && errno != EINTR))
             break;
         have += got > 0 ? (size_t)got : 0;
@@ -103,19 +102,20 @@ static size_t read_sample(int from, struct rb_sample *sample)
     return have;
 }
 
-static enum rb_status take_all(int from, rb_take_fn *take, void *user, struct rb_error *error)
+static enum rb_status take_all(int from, void *record, size_t bytes, rb_take_fn *take, void *user,
+                               struct rb_error *error)
 {
-    struct rb_sample sample;
+    const struct rb_sample *sample = record;
     size_t got;
     bool mismatch = false, any = false;
-    while ((got = read_sample(from, &sample)) == sizeof sample) {
-        if (sample.magic != RB_SAMPLE_MAGIC)
+    while ((got = read_record(from, record, bytes)) == bytes) {
+        if (sample->magic != RB_SAMPLE_MAGIC)
             return rb_error_set(error, RB_FAILED,
                                 "the program is another version of raybench, "
                                 "whose samples cannot be read");
         any = true;
-        mismatch |= sample.mismatch;
-        if (!take(user, &sample))
+        mismatch |= sample->mismatch;
+        if (!take(user, sample))
             return rb_error_memory(error, "the samples");
     }
     if (got > 0 && !rb_process_interrupted())
@@ -138,8 +138,8 @@ static enum rb_status judge(int how, enum rb_status status, struct rb_error *err
     return status;
 }
 
-enum rb_status rb_process_run(const struct rb_worker_words *words, bool bind, rb_take_fn *take,
-                              void *user, struct rb_error *error)
+enum rb_status rb_process_run(const struct rb_worker_words *words, bool bind, size_t record_bytes,
+                              rb_take_fn *take, void *user, struct rb_error *error)
 {
     char *pointers[RB_WORKER_WORDS_MAX + 1] = {NULL};
     int ends[2], how = 0;
@@ -157,7 +157,10 @@ enum rb_status rb_process_run(const struct rb_worker_words *words, bool bind, rb
         return rb_error_set(error, RB_FAILED, "cannot start %.200s: %s", pointers[0],
                             strerror(problem));
     }
-    enum rb_status status = take_all(ends[0], take, user, error);
+    void *record = malloc(record_bytes);
+    enum rb_status status = record ? take_all(ends[0], record, record_bytes, take, user, error)
+                                   : rb_error_memory(error, "the samples");
+    free(record);
     close(ends[0]);
     if (rb_process_interrupted() || status == RB_FAILED)
         kill(pid, SIGTERM);

@@ -27,14 +27,15 @@ struct rb_worker_words {
 void rb_worker_word(struct rb_worker_words *words, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-// Takes one sample; false if there is no memory for it.
+// Takes one record, which begins with this sample; false if there is no memory for it.
 typedef bool rb_take_fn(void *user, const struct rb_sample *sample);
 
-// Starts the program with these words and calls `take` for every sample. RB_OK if the worker ended
+// Starts the program with these words and calls `take` for every record that it sends, of
+// `record_bytes` bytes, a struct rb_sample and what may come behind it. RB_OK if the worker ended
 // well; RB_INVALID if a sample said mismatch (all of them were taken); RB_FAILED with a text if it
 // cannot be started, crashed or is another version. `bind`: OpenMP threads stay on their processors
 // unless the user has said otherwise.
-enum rb_status rb_process_run(const struct rb_worker_words *words, bool bind, rb_take_fn *take,
-                              void *user, struct rb_error *error);
+enum rb_status rb_process_run(const struct rb_worker_words *words, bool bind, size_t record_bytes,
+                              rb_take_fn *take, void *user, struct rb_error *error);
 
 #endif

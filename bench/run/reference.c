@@ -90,7 +90,8 @@ static enum rb_status render(const struct rb_reference *reference, const char *p
     if (group_tiles)
         rb_worker_word(&words, "--group-tiles=%u", group_tiles);
     rb_reference_scene_word(reference, &words);
-    enum rb_status status = rb_process_run(&words, false, keep_sample, sample, error);
+    enum rb_status status =
+        rb_process_run(&words, false, sizeof(struct rb_sample), keep_sample, sample, error);
     if (status == RB_INVALID)
         return rb_error_set(error, RB_INVALID,
                             "%s: naive and bvh disagree on a sample of tiles; there is no "

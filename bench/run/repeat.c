@@ -72,20 +72,22 @@ static void fill_stages(struct rb_sample *sample, const struct rb_run_result *re
     sample->peak_bytes = peak_bytes();
 }
 
-enum rb_status rb_repeater_send(const struct rb_repeater *repeater, struct rb_error *error)
+enum rb_status rb_repeater_write(const void *from, size_t bytes, struct rb_error *error)
 {
-    const char *from = (const char *)&repeater->sample;
-    size_t left = sizeof repeater->sample;
-    while (left > 0) {
-        ssize_t sent = write(STDOUT_FILENO, from, left);
+    for (size_t done = 0; done < bytes;) {
+        ssize_t sent = write(STDOUT_FILENO, (const char *)from + done, bytes - done);
         if (sent < 0 && errno == EINTR)
             continue;
         if (sent <= 0)
             return rb_error_set(error, RB_FAILED, "cannot write to the pipe");
-        from += sent;
-        left -= (size_t)sent;
+        done += (size_t)sent;
     }
     return RB_OK;
+}
+
+enum rb_status rb_repeater_send(const struct rb_repeater *repeater, struct rb_error *error)
+{
+    return rb_repeater_write(&repeater->sample, sizeof repeater->sample, error);
 }
 
 void rb_repeater_measure(struct rb_repeater *repeater, struct rb_run_result *result)

@@ -25,7 +25,9 @@ void rb_repeater_begin(struct rb_repeater *repeater, const struct rb_bench_argum
 // One repetition; the sample has everything about it then.
 void rb_repeater_measure(struct rb_repeater *repeater, struct rb_run_result *result);
 
-// Writes the sample to standard output. RB_FAILED if that cannot be.
+// Writes to standard output: the sample, or what comes behind it in a record. RB_FAILED if that
+// cannot be.
+enum rb_status rb_repeater_write(const void *from, size_t bytes, struct rb_error *error);
 enum rb_status rb_repeater_send(const struct rb_repeater *repeater, struct rb_error *error);
 
 // Repetitions that are not kept, until two in a row took about the same time, or time is short.

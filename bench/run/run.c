@@ -155,8 +155,8 @@ static enum rb_status run_process(struct rb_run *run, struct rb_cell *cell, doub
     rb_reference_scene_word(cell->reference, &words);
     uint64_t start_ns = rb_clock_ns();
     struct rb_error problem = {0};
-    enum rb_status status =
-        rb_process_run(&words, rb_variant_parallel(cell->variant), take, &taker, &problem);
+    enum rb_status status = rb_process_run(&words, rb_variant_parallel(cell->variant),
+                                           sizeof(struct rb_sample), take, &taker, &problem);
     cell->cost_s = (double)(rb_clock_ns() - start_ns) * 1e-9;
     if (rb_process_interrupted())
         return RB_OK;

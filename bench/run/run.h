@@ -21,13 +21,17 @@ struct rb_side {
     FILE *samples; // samples.csv.part
 };
 
+enum rb_measure { RB_MEASURE_TIME = 1, RB_MEASURE_COUNT = 2, RB_MEASURE_SIMULATE = 4 };
+
 struct rb_run {
     struct rb_plan *plan;
     const char *parent; // folder of result folders
     char session[64];   // names the run in both of its folders
     struct rb_side sides[2];
     int side_count;
-    int unit_count; // cells of a side
+    int unit_count;          // cells of a side
+    unsigned measure;        // bits of rb_measure
+    struct rb_caches caches; // to simulate
     double probe_ns, budget_s;
     time_t started;
     uint64_t start_ns;

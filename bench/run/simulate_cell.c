@@ -69,7 +69,8 @@ static enum rb_status run_both(const struct rb_worker_words *words, const struct
     char *pointers[RB_WORKER_WORDS_MAX + 1] = {NULL};
     for (int i = 0; i < words->count; i++)
         pointers[i] = (char *)words->text[i];
-    enum rb_status status = rb_process_run(words, false, keep_sample, &native, error);
+    enum rb_status status =
+        rb_process_run(words, false, sizeof(struct rb_sample), keep_sample, &native, error);
     if (status == RB_OK && rb_process_interrupted())
         status = rb_error_set(error, RB_FAILED, "interrupted");
     if (status == RB_OK)

@@ -150,7 +150,7 @@ static int run(const struct rb_arguments *arguments)
     if (status == RB_OK)
         status = rb_process_self(program, sizeof program, &error);
     if (status == RB_OK)
-        status = rb_plan_compose(arguments, &plan, &error);
+        status = rb_plan_compose(arguments, "variants = naive,bvh,packet\n", &plan, &error);
     if (status == RB_OK)
         status = rb_plan_parse(&rb_command_simulate, &plan, &error);
     disable_avx512();

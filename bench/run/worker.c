@@ -25,6 +25,8 @@ static const struct rb_option options[] = {
      "render a random group of so many small tiles, the process's own, instead of frames"},
     {"--simulate-tiles", "N", RB_OPTION_INT, BENCH(simulate_tiles), 0, 1e9,
      "render so many tiles twice, the second time as laps of a simulator"},
+    {"--count", NULL, RB_OPTION_FLAG, BENCH(count), 0, 0,
+     "render once with the kernels that count; their counts follow the sample"},
     {"--quiet", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, quiet), 0, 0, "no warnings"},
     {.name = NULL},
 };
@@ -46,6 +48,7 @@ struct worker {
     const struct rb_arguments *arguments;
     struct rb_repeater repeater;
     struct rb_tiles tiles;
+    struct rb_count_table counts;
     uint64_t hits_hash; // to be expected, with the repeater's image_hash
 };
 
@@ -94,6 +97,7 @@ static enum rb_status run_group(struct worker *worker, const struct rb_scene *sc
                    &repeater->how);
     repeater->how.hash_hits = true;
     rb_repeater_measure(repeater, &result);
+    repeater->how.counts = NULL;
     rb_renderer_run(bvh, &repeater->how, &check);
     rb_renderer_free(bvh);
     sample->hits_hash = result.hits_hash;
@@ -121,6 +125,16 @@ static enum rb_status run_simulated(struct worker *worker, struct rb_error *erro
     rb_simulate_end(result.hits_hash, rb_variant_resolve(rb_open_variant(arguments))->name);
     repeater->sample.hits_hash = result.hits_hash;
     return rb_repeater_send(repeater, error);
+}
+
+static enum rb_status want_counts(struct worker *worker, struct rb_error *error)
+{
+    const struct rb_variant *variant = rb_variant_resolve(rb_open_variant(worker->arguments));
+    worker->repeater.how.counts = &worker->counts;
+    return variant->counted
+               ? RB_OK
+               : rb_error_set(error, RB_INVALID,
+                              "%s has no kernels that count: see kernels/kernel.h", variant->name);
 }
 
 static enum rb_status run_frames(struct worker *worker, struct rb_error *error)
@@ -181,11 +195,17 @@ static int run(const struct rb_arguments *arguments)
     int code = rb_open_renderer(arguments, &scene, &worker.repeater.renderer);
     if (code)
         return code;
+    if (arguments->bench.count)
+        status = want_counts(&worker, &error);
+    if (status)
+        return rb_report(status, &error);
     if (arguments->bench.simulate_tiles)
         status = run_simulated(&worker, &error);
     else
         status = arguments->bench.group_tiles ? run_group(&worker, &scene, &error)
                                               : run_frames(&worker, &error);
+    if (arguments->bench.count && !error.text[0])
+        rb_repeater_write(&worker.counts, sizeof worker.counts, &error);
     rb_free(worker.tiles.order);
     rb_renderer_free(worker.repeater.renderer);
     rb_scene_free(&scene);

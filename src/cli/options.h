@@ -31,6 +31,9 @@ struct rb_bench_arguments {
     int bounce;          // to replay
     bool list;
     const char *mode;    // time, count, simulate
+    const char *measure; // what: a list
+    bool count;
+    const char *heatmap;
     const char *l1, *ll; // of a simulation, as the next one
     int simulate_tiles;
 };

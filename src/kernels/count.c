@@ -1,5 +1,6 @@
 #include "kernels/count.h"
 
+#include <math.h>
 #include <stddef.h>
 
 const char *const rb_counter_names[RB_COUNTER_COUNT] = {
@@ -27,6 +28,13 @@ void rb_counts_add(struct rb_counts *to, const struct rb_counts *from)
     for (int i = 0; i < RB_COUNTER_COUNT; i++)
         to->of[i] += from->of[i];
     to->stack_max = to->stack_max > from->stack_max ? to->stack_max : from->stack_max;
+}
+
+double rb_counts_lane_use_pct(const struct rb_counts *counts)
+{
+    double active = (double)counts->of[RB_COUNT_LANES_ACTIVE];
+    double possible = (double)counts->of[RB_COUNT_LANES_POSSIBLE];
+    return possible > 0 ? 100.0 * active / possible : (double)NAN;
 }
 
 void rb_counts_take(struct rb_counts *to)

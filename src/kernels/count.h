@@ -50,6 +50,7 @@ extern _Thread_local struct rb_counting rb_counting;
 
 // Adds what the calling thread has counted since the last call to `to`.
 void rb_counts_take(struct rb_counts *to);
+double rb_counts_lane_use_pct(const struct rb_counts *counts); // NaN if there were no steps
 void rb_counts_add(struct rb_counts *to, const struct rb_counts *from);
 
 // What the macros below do; bit i of `bits` is the ray in lane i.

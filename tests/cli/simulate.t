@@ -39,7 +39,8 @@ check 'the rows did the same work' [ "$(awk '
     $1 == "trace" && $2 == 0 { rays[$3]++ } END { for (r in rays) print rays[r] }' \
     "$tmp/out")" = 2 ]
 check 'packets take fewer instructions' [ "$(awk '
-    $1 == "trace" && $2 == 0 { if (++n == 1) bvh = $4; else print ($4 * 2 < bvh) }' "$tmp/out")" = 1 ]
+    $1 == "trace" && $2 == 0 { if (++n == 1) bvh = $4; else print ($4 * 2 < bvh) }' \
+    "$tmp/out")" = 1 ]
 
 # Another folder, another environment: the same counts.
 program=$(readlink -f "$raybench")

@@ -1,0 +1,130 @@
+#include "bench/run/evidence.h"
+
+#include "base/memory.h"
+#include "bench/run/process.h"
+#include "bench/run/reference.h"
+#include "bench/run/simulate_cell.h"
+#include "bench/run/tiles.h"
+#include "cli/commands.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+// Where a frame takes too long, so much of it is counted, by the estimate of what naive takes.
+static const double COUNTED_S = 2.0;
+
+static void show_progress(const struct rb_run *run, const struct rb_cell *cell, const char *what)
+{
+    if (!run->quiet && isatty(STDERR_FILENO))
+        fprintf(stderr, "\r%s %s, %s ...\033[K\r", what, cell->reference->scene_name,
+                cell->variant->name);
+}
+
+static void tell(const struct rb_cell *cell, const char *what, const struct rb_error *error)
+{
+    struct rb_error told = *error;
+    snprintf(told.text, sizeof told.text, "%s, %s is not %s: %.250s", cell->reference->scene_name,
+             cell->variant->name, what, error->text);
+    rb_report(RB_FAILED, &told);
+}
+
+static bool keep_counts(void *user, const struct rb_sample *sample)
+{
+    memcpy(user, sample, sizeof(struct rb_counted)); // the tables follow the sample
+    return true;
+}
+
+static uint32_t counted_tiles(const struct rb_cell *cell)
+{
+    double tiles = cell->group_population * cell->group_tiles;
+    double affordable = tiles * COUNTED_S / rb_reference_naive_s(cell->reference);
+    return affordable > cell->group_tiles ? (uint32_t)affordable : cell->group_tiles;
+}
+
+static enum rb_status count(const struct rb_run *run, struct rb_cell *cell, struct rb_error *error)
+{
+    struct rb_worker_words words = {.count = 0};
+    rb_reference_words(&cell->settings, run->sides[0].program, cell->variant, &words);
+    rb_worker_word(&words, "--count");
+    rb_worker_word(&words, "--slice=0");
+    rb_worker_word(&words, "--cpu=-1");
+    if (cell->group_tiles)
+        rb_worker_word(&words, "--group-tiles=%u", counted_tiles(cell));
+    else
+        rb_worker_word(&words, "--expect=%llx:%llx",
+                       (unsigned long long)cell->reference->image_hash,
+                       (unsigned long long)cell->reference->hits_hash);
+    rb_reference_scene_word(cell->reference, &words);
+    struct rb_counted *counted = rb_alloc(1, sizeof *counted);
+    if (!counted)
+        return rb_error_memory(error, "the counts");
+    enum rb_status status = rb_process_run(&words, rb_variant_parallel(cell->variant),
+                                           sizeof *counted, keep_counts, counted, error);
+    if (status == RB_OK && !rb_process_interrupted())
+        cell->counted = counted;
+    else
+        rb_free(counted);
+    return status;
+}
+
+// A cell with the same kernels and batches has the same counts, whatever its threads.
+static const struct rb_cell *find_alike(const struct rb_run *run, const struct rb_cell *cell)
+{
+    for (int i = 0; i < run->unit_count; i++) {
+        const struct rb_cell *other = &run->plan->cells[i];
+        if (other->counted && other->reference == cell->reference &&
+            other->variant->kernels == cell->variant->kernels &&
+            other->settings.tile == cell->settings.tile && other->group_tiles == cell->group_tiles)
+            return other;
+    }
+    return NULL;
+}
+
+static enum rb_status count_cell(struct rb_run *run, struct rb_cell *cell, struct rb_error *error)
+{
+    const struct rb_cell *alike = find_alike(run, cell);
+    struct rb_error problem = {0};
+    if (alike) {
+        cell->counted = rb_alloc(1, sizeof *cell->counted);
+        if (!cell->counted)
+            return rb_error_memory(error, "the counts");
+        *cell->counted = *alike->counted;
+        return RB_OK;
+    }
+    show_progress(run, cell, "counting");
+    enum rb_status status = count(run, cell, &problem);
+    if (status == RB_INVALID && !problem.text[0]) {
+        rb_error_set(&problem, RB_INVALID, "image or hits of its counting kernels differ");
+        cell->state = RB_CELL_INVALID;
+        run->mismatch = true;
+    }
+    if (status && !rb_process_interrupted())
+        tell(cell, "counted", &problem);
+    return RB_OK;
+}
+
+static void simulate_cell(struct rb_run *run, struct rb_cell *cell)
+{
+    struct rb_error problem = {0};
+    uint32_t tiles = (uint32_t)run->plan->arguments.bench.simulate_tiles;
+    show_progress(run, cell, "simulating");
+    if (rb_simulate_cell(cell, run->sides[0].program, tiles, &run->caches, &problem) &&
+        !rb_process_interrupted())
+        tell(cell, "simulated", &problem);
+}
+
+enum rb_status rb_evidence_gather(struct rb_run *run, struct rb_error *error)
+{
+    enum rb_status status = RB_OK;
+    for (int i = 0; i < run->unit_count && status == RB_OK; i++) {
+        struct rb_cell *cell = &run->plan->cells[i];
+        if (cell->state == RB_CELL_OPEN && run->measure & RB_MEASURE_COUNT &&
+            !rb_process_interrupted())
+            status = count_cell(run, cell, error);
+        if (cell->state == RB_CELL_OPEN && run->measure & RB_MEASURE_SIMULATE &&
+            !rb_process_interrupted())
+            simulate_cell(run, cell);
+    }
+    return status;
+}
