@@ -114,7 +114,8 @@ static bool keep_sample(void *user, const struct rb_sample *sample)
 static void run_process(struct rb_cell *cell, const struct rb_worker_words *words, const char *what)
 {
     struct rb_error error = {0}, told = {0};
-    enum rb_status status = rb_process_run(words, false, sizeof(struct rb_sample), keep_sample, cell, &error);
+    enum rb_status status =
+        rb_process_run(words, false, sizeof(struct rb_sample), keep_sample, cell, &error);
     if (rb_process_interrupted())
         return;
     cell->process_count += status == RB_OK;
