@@ -137,7 +137,7 @@ static void run_turn(struct rb_replay_run *run, const struct rb_arguments *argum
     struct rb_replay_unit *unit = index < 0 ? NULL : &run->units[index];
     struct rb_cell *cell = unit ? &unit->cell : &run->in_place;
     char what[64] = "frames in place";
-    if (cell->state != RB_CELL_OPEN)
+    if (cell->state != RB_CELL_OPEN || (!unit && !run->frames_wanted))
         return;
     if (unit) {
         rb_replay_unit_words(run, unit, &words);
@@ -186,6 +186,7 @@ static void make_units(struct rb_replay_run *run, const struct rb_variant *varia
                 unit->choice = (struct rb_record_choice){(enum rb_ray_class)c, (enum rb_stage)k, b};
                 unit->rays = run->record.contents.of[c][kind][b].rays;
                 unit->batches = run->record.contents.of[c][kind][b].batches;
+                run->frames_wanted |= c == RB_CLASS_IMAGE;
                 unit->cell = (struct rb_cell){.variant = variant,
                                               .reference = &run->reference,
                                               .settings = run->reference.settings};

@@ -26,6 +26,7 @@ struct rb_replay_run {
     struct rb_replay_unit units[RB_REPLAY_UNITS_MAX];
     int unit_count;
     struct rb_cell in_place;
+    bool frames_wanted; // some unit has rays of the image
     double probe_ns;
 };
 

@@ -1,5 +1,7 @@
 #include "bench/replay/replay.h"
 
+#include "bench/run/process.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -81,7 +83,7 @@ static void print_unit(const struct rb_replay_run *run, const struct rb_replay_u
     double in_place = unit->choice.ray_class == RB_CLASS_IMAGE
                           ? rb_cell_ns_per_ray(&run->in_place, kernel, bounce).p10
                           : (double)NAN;
-    rb_cell_flags(&unit->cell, false, run->probe_ns, flags);
+    rb_cell_flags(&unit->cell, rb_process_interrupted(), run->probe_ns, flags);
     bool sampled = unit->cell.samples[0].stage[kernel][bounce].rays < unit->rays;
     printf(" %9s  %-18s %7s %7s %8s %2zu  %8s  %6s %-16s %s%s%s\n", format(figure.value, value),
            format_interval(figure.low, figure.high, interval), format(figure.min, min),
@@ -107,5 +109,6 @@ void rb_replay_print(const struct rb_replay_run *run)
            "x in place", "flags");
     for (int i = 0; i < run->unit_count; i++)
         print_unit(run, &run->units[i]);
-    fputs(notes, stdout);
+    if (run->frames_wanted)
+        fputs(notes, stdout);
 }
