@@ -44,11 +44,15 @@ static uint32_t tiles_across(int pixels, int edge)
     return (uint32_t)((pixels - 1) / edge + 1);
 }
 
-static uint32_t choose_tiles(const struct rb_cell *cell, uint32_t all)
+double rb_simulate_affordable_rays(const struct rb_cell *cell)
 {
     bool naive = cell->variant->accelerator == RB_ACCEL_NONE;
-    double ray = TREE_RAY + (naive ? NAIVE_TEST * cell->reference->primitive_count : 0);
-    double affordable = AFFORDABLE / (ray * cell->reference->rays / all);
+    return AFFORDABLE / (TREE_RAY + (naive ? NAIVE_TEST * cell->reference->primitive_count : 0));
+}
+
+static uint32_t choose_tiles(const struct rb_cell *cell, uint32_t all)
+{
+    double affordable = rb_simulate_affordable_rays(cell) / (cell->reference->rays / all);
     return affordable < 1 ? 1 : affordable < all ? (uint32_t)affordable : all;
 }
 

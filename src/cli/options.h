@@ -30,6 +30,7 @@ struct rb_bench_arguments {
     const char *classes; // of rays, to record
     int bounce;          // to replay
     bool list;
+    const char *mode;    // time, count, simulate
     const char *measure; // what: a list
     bool count;
     const char *heatmap, *picture; // of it
