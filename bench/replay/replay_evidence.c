@@ -1,8 +1,8 @@
 #include "bench/replay/replay_evidence.h"
 
+#include "bench/explain/simulate_table.h"
 #include "bench/replay/source.h"
 #include "bench/run/simulate_cell.h"
-#include "bench/run/simulate_table.h"
 #include "bench/simulate/simulate.h"
 #include "cli/commands.h"
 
