@@ -48,9 +48,12 @@ say      := $(if $(findstring s,$(firstword -$(MAKEFLAGS))),@:,@echo)
 
 # Kernel files that are compiled again for wider vectors, FILE.ISA; never with FMA: exactness.
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine)),)
-WIDE     := packet.avx2 packet.avx512
+WIDE     := packet.avx2 packet.avx512 wide.avx2 wide.avx512
 endif
 %packet.avx2.o %packet.avx2.counted.o: ISA := -mavx2 -DRB_PACKET=rb_kernels_packet_avx2
+%wide.avx2.o %wide.avx2.counted.o: ISA := -mavx2 -DRB_WIDE_SET=rb_kernels_wide_avx2
+%wide.avx512.o %wide.avx512.counted.o: ISA := -mavx512vl -DRB_LANES=8 \
+  -DRB_WIDE_SET=rb_kernels_wide_avx512
 %packet.avx512.o %packet.avx512.counted.o: ISA := -mavx512f -DRB_PACKET=rb_kernels_packet_avx512
 
 LIB_SRC  := $(sort $(wildcard src/*/*.c bench/*/*.c))

@@ -1,0 +1,189 @@
+// One ray against 8 boxes or 8 primitives at a time, for the kernels that traverse the wide tree:
+// rb_box, rb_sphere_hit and rb_triangle_hit of intersect.h, lane by lane, in RB_WIDE / RB_LANES
+// vectors. What a block's primitives must pass is a conjunction, so they are tested first and their
+// own boxes, which most rays that get this far pass, only where one of them was hit.
+#ifndef RB_KERNELS_WIDE_RAY_H
+#define RB_KERNELS_WIDE_RAY_H
+
+#include "accel/wide.h"
+#include "kernels/intersect.h"
+#include "kernels/simd.h"
+
+// Vectors per node or block.
+enum { WIDE_PARTS = RB_WIDE / RB_LANES };
+
+// A ray, and the same in all lanes.
+struct wide_ray {
+    struct vvec o, d, inv;
+    vint flip[3];    // sign bit of the direction on each axis
+    int backward[3]; // 1 where it is set: which of the two planes is nearer
+    vint self;
+    bool shadow;
+    struct rb_ray one;
+};
+
+static inline struct vvec wide_splat(struct rb_vec a)
+{
+    return (struct vvec){vf_set(a.x), vf_set(a.y), vf_set(a.z)};
+}
+
+static inline struct wide_ray wide_ray_make(const struct rb_ray *ray)
+{
+    struct wide_ray wide = {
+        .o = wide_splat(ray->o),
+        .d = wide_splat(ray->d),
+        .inv = wide_splat(ray->inv),
+        .backward = {ray->inv.x < 0.0f, ray->inv.y < 0.0f, ray->inv.z < 0.0f},
+        .self = vi_set(ray->self),
+        .shadow = ray->sides == RB_SIDES_BOTH,
+        .one = *ray,
+    };
+    for (int k = 0; k < 3; k++)
+        wide.flip[k] = vi_set(wide.backward[k] ? 0x80000000u : 0);
+    return wide;
+}
+
+// rb_box. Rounding is monotone, so scaling the least of the far distances gives the least of the
+// scaled ones.
+static inline void wide_slabs(struct vvec near, struct vvec far, const struct wide_ray *ray,
+                              vfloat *from, vfloat *to)
+{
+    near = vv_sub(near, ray->o), far = vv_sub(far, ray->o);
+    vfloat near_xy = vf_max(near.x * ray->inv.x, near.y * ray->inv.y);
+    vfloat far_xy = vf_min(far.x * ray->inv.x, far.y * ray->inv.y);
+    *from = vf_max(vf_max(near_xy, near.z * ray->inv.z), vf_set(0.0f));
+    *to = vf_min(far_xy, far.z * ray->inv.z) * RB_FAR_SCALE;
+}
+
+// The children that the ray reaches no farther than `limit`, one bit each, and where.
+static inline unsigned wide_node(const struct rb_wide_node *node, const struct wide_ray *ray,
+                                 vfloat limit, float reach[RB_WIDE])
+{
+    unsigned bits = 0;
+    const int *b = ray->backward;
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES) {
+        struct vvec near = {vf_load(node->bounds[0][b[0]] + lane),
+                            vf_load(node->bounds[1][b[1]] + lane),
+                            vf_load(node->bounds[2][b[2]] + lane)};
+        struct vvec far = {vf_load(node->bounds[0][!b[0]] + lane),
+                           vf_load(node->bounds[1][!b[1]] + lane),
+                           vf_load(node->bounds[2][!b[2]] + lane)};
+        vfloat from, to;
+        wide_slabs(near, far, ray, &from, &to);
+        vf_store(reach + lane, from);
+        bits |= vi_bits(from <= vf_min(to, limit)) << lane;
+    }
+    RB_COUNT_STEP((1u << node->count) - 1, RB_WIDE);
+    RB_COUNT_RAYS(NODES, 1, 1);
+    RB_COUNT_RAYS(BOXES, 1, node->count);
+    RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
+    return bits;
+}
+
+// rb_hit of part of a block, lane by lane.
+struct wide_hits {
+    vfloat t, u, v;
+    vint prim, found;
+};
+
+// The primitives there are in a block, one bit each.
+static inline unsigned wide_lanes(const uint32_t id[RB_WIDE])
+{
+    unsigned bits = 0;
+    for (int lane = 0; lane < RB_WIDE; lane++)
+        bits |= (id[lane] != RB_NONE ? 1u : 0u) << lane;
+    return bits;
+}
+
+// Own box, for the lanes that were hit.
+static inline void wide_clamp(struct vvec near, struct vvec far, const struct wide_ray *ray,
+                              struct wide_hits *hits)
+{
+    vfloat from, to;
+    wide_slabs(near, far, ray, &from, &to);
+    hits->t = vf_min(vf_max(hits->t, from), to);
+    hits->found &= (from <= to) & (hits->t > 0.0f);
+}
+
+// The side of spheres' boxes that is nearer, or with `r` negative farther.
+static inline struct vvec wide_sphere_side(struct vvec center, vfloat r, const struct wide_ray *ray)
+{
+    return (struct vvec){center.x - (vfloat)((vint)r ^ ray->flip[0]),
+                         center.y - (vfloat)((vint)r ^ ray->flip[1]),
+                         center.z - (vfloat)((vint)r ^ ray->flip[2])};
+}
+
+static inline struct wide_hits wide_spheres(const struct rb_wide_spheres *block, int lane,
+                                            const struct wide_ray *ray)
+{
+    struct vvec center = {vf_load(block->center[0] + lane), vf_load(block->center[1] + lane),
+                          vf_load(block->center[2] + lane)};
+    vfloat radius = vf_load(block->radius + lane);
+    struct vvec l = vv_sub(center, ray->o);
+    vfloat b = vv_dot(l, ray->d);
+    struct vvec apart = vv_mad(l, -b, ray->d);
+    vfloat discriminant = radius * radius - vv_dot(apart, apart);
+    struct wide_hits hits = {.found = discriminant >= 0.0f};
+    if (!vi_any(hits.found))
+        return hits;
+    hits.prim = vi_load(block->id + lane);
+    vint own = hits.prim == ray->self;
+    vfloat root = vf_sqrt(discriminant), near = b - root, far = vf_select(own, b + b, b + root);
+    vint take_near = (near > 0.0f) & ~own;
+    if (ray->shadow)
+        hits.found &= ~own;
+    else
+        take_near &= ~(radius < 0.0f);
+    hits.t = vf_select(take_near, near, far);
+    hits.found &= hits.t > 0.0f;
+    hits.u = hits.v = vf_set(0.0f);
+    vfloat r = vf_abs(radius);
+    wide_clamp(wide_sphere_side(center, r, ray), wide_sphere_side(center, -r, ray), ray, &hits);
+    return hits;
+}
+
+static inline struct vvec wide_vertex(const struct rb_wide_triangles *block, int i, int lane)
+{
+    return (struct vvec){vf_load(block->v[i][0] + lane), vf_load(block->v[i][1] + lane),
+                         vf_load(block->v[i][2] + lane)};
+}
+
+// Lower and upper ends of an axis of boxes, as rb_triangle_bounds has them, swapped for rays that
+// go backward.
+static inline void wide_ends(vfloat a, vfloat b, vfloat c, int backward, vfloat *near, vfloat *far)
+{
+    vfloat low = vf_min(vf_min(a, b), c), high = vf_max(vf_max(a, b), c);
+    *near = backward ? high : low;
+    *far = backward ? low : high;
+}
+
+static inline struct wide_hits wide_triangles(const struct rb_wide_triangles *block, int lane,
+                                              const struct wide_ray *ray)
+{
+    struct vvec v0 = wide_vertex(block, 0, lane), v1 = wide_vertex(block, 1, lane);
+    struct vvec v2 = wide_vertex(block, 2, lane), e1 = vv_sub(v1, v0), e2 = vv_sub(v2, v0);
+    struct vvec s = vv_sub(ray->o, v0), p = vv_cross(ray->d, e2), q = vv_cross(s, e1);
+    vfloat det = vv_dot(e1, p), area = vf_abs(det);
+    vint flip = (vint)det & vi_set(0x80000000u); // a product with the sign of det
+    vfloat us = (vfloat)((vint)vv_dot(s, p) ^ flip);
+    vfloat vs = (vfloat)((vint)vv_dot(ray->d, q) ^ flip);
+    vfloat slack = RB_EDGE_TOLERANCE * vv_reach(s) * vf_max(vv_reach(e1), vv_reach(e2));
+    struct wide_hits hits = {.found = (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) &
+                                      (area >= FLT_MIN)};
+    if (!vi_any(hits.found))
+        return hits;
+    vfloat inverse = 1.0f / area, zero = vf_set(0.0f), one = vf_set(1.0f);
+    hits.t = (vfloat)((vint)vv_dot(e2, q) ^ flip) * inverse;
+    hits.u = vf_min(vf_max(us * inverse, zero), one);
+    hits.v = vf_min(vf_max(vs * inverse, zero), one - hits.u);
+    hits.prim = vi_load(block->id + lane);
+    hits.found &= hits.prim != ray->self;
+    struct vvec near, far;
+    wide_ends(v0.x, v1.x, v2.x, ray->backward[0], &near.x, &far.x);
+    wide_ends(v0.y, v1.y, v2.y, ray->backward[1], &near.y, &far.y);
+    wide_ends(v0.z, v1.z, v2.z, ray->backward[2], &near.z, &far.z);
+    wide_clamp(near, far, ray, &hits);
+    return hits;
+}
+
+#endif
