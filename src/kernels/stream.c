@@ -95,7 +95,8 @@ static void go_alone(struct stream *stream, const struct visit *visit)
     for (uint32_t i = 0; i < visit->count; i++) {
         uint32_t index = stream->pool[visit->list + i];
         struct rb_ray one = ray_of(stream, index);
-        struct wide_ray ray = wide_ray_make(&one);
+        struct wide_ray ray;
+        wide_ray_make(&one, &ray);
         struct rb_hit *best = &stream->ray[index].best;
         RB_COUNT_BEGIN(index);
         if (stream->sides != RB_SIDES_BOTH)
@@ -110,7 +111,8 @@ static void visit_leaf(struct stream *stream, const struct visit *visit)
     for (uint32_t i = 0; i < visit->count; i++) {
         uint32_t index = stream->pool[visit->list + i];
         struct rb_ray one = ray_of(stream, index);
-        struct wide_ray ray = wide_ray_make(&one);
+        struct wide_ray ray;
+        wide_ray_make(&one, &ray);
         struct rb_hit *best = &stream->ray[index].best;
         RB_COUNT_BEGIN(index);
         if (stream->sides != RB_SIDES_BOTH)
@@ -141,7 +143,8 @@ static void test_node(struct stream *stream, const struct rb_wide_node *node,
     for (uint32_t i = 0; i < visit->count; i++) {
         uint32_t index = stream->pool[visit->list + i];
         const struct stream_ray *one = &stream->ray[index];
-        struct wide_ray ray = {.o = vv_set(one->o), .inv = vv_set(one->inv)};
+        struct wide_ray ray;
+        ray.o = vv_set(one->o), ray.inv = vv_set(one->inv);
         vfloat limit = vf_set(one->best.t);
         unsigned bits = 0;
         for (int part = 0; part < WIDE_PARTS; part++) {

@@ -31,13 +31,15 @@ const struct rb_kernels RB_TWIN(RB_WIDE_SET) = {
 static struct rb_hit closest(const struct rb_world *world, const struct rb_ray *one)
 {
     struct rb_hit best = rb_planes_closest(world->scene, one);
-    struct wide_ray ray = wide_ray_make(one);
+    struct wide_ray ray;
+    wide_ray_make(one, &ray);
     return world->wide->count[RB_WIDE_NODE] ? single_closest(world, 0, &ray, best) : best;
 }
 
 static bool any(const struct rb_world *world, const struct rb_ray *one, float distance)
 {
-    struct wide_ray ray = wide_ray_make(one);
+    struct wide_ray ray;
+    wide_ray_make(one, &ray);
     return rb_planes_any(world->scene, one, distance) ||
            (world->wide->count[RB_WIDE_NODE] && single_any(world, 0, &ray, distance));
 }
