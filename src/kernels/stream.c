@@ -60,7 +60,7 @@ struct stream {
     int backward[3];  // of the octant in work
     uint32_t deepest; // most visits that waited
     struct stream_ray ray[STREAM_MAX];
-    uint16_t pool[POOL];        // lists: indices of rays
+    uint32_t pool[POOL];        // lists: indices of rays
     uint8_t bits[STREAM_MAX];   // children that the rays of a list reach
     uint8_t octant[STREAM_MAX]; // OCTANTS for rays that are not valid
     struct visit stack[RB_WIDE_STACK];
@@ -122,6 +122,17 @@ static void visit_leaf(struct stream *stream, const struct visit *visit)
     }
 }
 
+// Row i of an 8 x 8 bit matrix, a byte, becomes its column i (Warren, "Hacker's Delight").
+static inline uint64_t transpose(uint64_t m)
+{
+    uint64_t swap = (m ^ m >> 7) & 0x00aa00aa00aa00aau;
+    m ^= swap ^ swap << 7;
+    swap = (m ^ m >> 14) & 0x0000cccc0000ccccu;
+    m ^= swap ^ swap << 14;
+    swap = (m ^ m >> 28) & 0x00000000f0f0f0f0u;
+    return m ^ swap ^ swap << 28;
+}
+
 // Which children the rays of a list reach: bits by ray, counts and sums of distances by child.
 static void test_node(struct stream *stream, const struct rb_wide_node *node,
                       const struct visit *visit, uint32_t counts[RB_WIDE], float sums[RB_WIDE])
@@ -162,19 +173,29 @@ static void test_node(struct stream *stream, const struct rb_wide_node *node,
         RB_COUNT_RAYS(BOXES, 1, node->count);
     }
     RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
+    for (uint32_t i = 0; i < visit->count; i += 8) {
+        uint64_t eight;
+        memcpy(&eight, stream->bits + i, 8);
+        uint32_t rest = visit->count - i;
+        if (rest < 8)
+            eight &= ((uint64_t)1 << 8 * rest) - 1;
+        eight = transpose(eight);
+        memcpy(stream->bits + i, &eight, 8);
+    }
     for (int part = 0; part < WIDE_PARTS; part++) {
         vi_store(counts + part * RB_LANES, hits[part]);
         vf_store(sums + part * RB_LANES, sum[part]);
     }
 }
 
-// The rays of a list that reach child `lane`, without branches; `to` has room for one more.
+// The rays of a list that reach child `lane`; whole vectors are written.
 static inline void filter(const struct stream *stream, const struct visit *visit, int lane,
-                          uint16_t *to)
+                          uint32_t *to)
 {
-    for (uint32_t i = 0; i < visit->count; i++) {
-        *to = stream->pool[visit->list + i];
-        to += stream->bits[i] >> lane & 1;
+    for (uint32_t i = 0; i < visit->count; i += RB_LANES) {
+        unsigned bits = stream->bits[i / 8 * 8 + (uint32_t)lane] >> i % 8 & VI_ALL_BITS;
+        vi_store(to, vi_compress(vi_load(stream->pool + visit->list + i), bits));
+        to += __builtin_popcount(bits);
     }
 }
 
@@ -216,7 +237,7 @@ static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint3
         uint32_t end = visit.list + visit.count, top = end > floor ? end : floor;
         if (rb_wide_kind_of(visit.child) != RB_WIDE_NODE)
             visit_leaf(stream, &visit);
-        else if (visit.count < 2 || POOL - top < (RB_WIDE + 1) * visit.count)
+        else if (visit.count < 2 || POOL - top < RB_WIDE * (visit.count + 1))
             go_alone(stream, &visit);
         else
             depth = visit_node(stream, &visit, top, depth);
@@ -236,7 +257,7 @@ static void run(struct stream *stream)
     uint32_t next[OCTANTS + 1];
     memcpy(next, first, sizeof next);
     for (uint32_t i = 0; i < stream->count; i++)
-        stream->pool[next[stream->octant[i]]++] = (uint16_t)i;
+        stream->pool[next[stream->octant[i]]++] = i;
     for (int octant = 0; octant < OCTANTS; octant++) {
         uint32_t count = first[octant + 1] - first[octant];
         for (int k = 0; k < 3; k++)

@@ -112,8 +112,6 @@ static inline struct wide_hits wide_spheres(const struct rb_wide_spheres *block,
     vfloat discriminant = radius * radius - vv_dot(apart, apart);
     struct wide_hits hits;
     hits.found = discriminant >= 0.0f;
-    if (!vi_any(hits.found))
-        return hits;
     hits.prim = vi_load(block->id + lane);
     vint own = hits.prim == vi_set(ray->one->self);
     vfloat root = vf_sqrt(discriminant), near = b - root, far = vf_select(own, b + b, b + root);
