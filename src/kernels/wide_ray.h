@@ -9,6 +9,9 @@
 #include "kernels/intersect.h"
 #include "kernels/simd.h"
 
+// Everything here is small only where its arguments are in registers.
+#define RB_INLINE static inline __attribute__((always_inline))
+
 // Vectors per node or block.
 enum { WIDE_PARTS = RB_WIDE / RB_LANES };
 
@@ -19,7 +22,7 @@ struct wide_ray {
     const struct rb_ray *one;
 };
 
-static inline void wide_ray_make(const struct rb_ray *ray, struct wide_ray *wide)
+RB_INLINE void wide_ray_make(const struct rb_ray *ray, struct wide_ray *wide)
 {
     wide->o = (struct vvec){vf_set(ray->o.x), vf_set(ray->o.y), vf_set(ray->o.z)};
     wide->d = (struct vvec){vf_set(ray->d.x), vf_set(ray->d.y), vf_set(ray->d.z)};
@@ -32,8 +35,8 @@ static inline void wide_ray_make(const struct rb_ray *ray, struct wide_ray *wide
 
 // rb_box. Rounding is monotone, so scaling the least of the far distances gives the least of the
 // scaled ones.
-static inline void wide_slabs(struct vvec near, struct vvec far, const struct wide_ray *ray,
-                              vfloat *from, vfloat *to)
+RB_INLINE void wide_slabs(struct vvec near, struct vvec far, const struct wide_ray *ray,
+                          vfloat *from, vfloat *to)
 {
     near = vv_sub(near, ray->o), far = vv_sub(far, ray->o);
     vfloat near_xy = vf_max(near.x * ray->inv.x, near.y * ray->inv.y);
@@ -43,8 +46,8 @@ static inline void wide_slabs(struct vvec near, struct vvec far, const struct wi
 }
 
 // The children that the ray reaches no farther than `limit`, one bit each, and where.
-static inline unsigned wide_node(const struct rb_wide_node *node, const struct wide_ray *ray,
-                                 vfloat limit, float reach[RB_WIDE])
+RB_INLINE unsigned wide_node(const struct rb_wide_node *node, const struct wide_ray *ray,
+                             vfloat limit, float reach[RB_WIDE])
 {
     unsigned bits = 0;
     const int *b = ray->backward;
@@ -74,7 +77,7 @@ struct wide_hits {
 };
 
 // The primitives there are in a block, one bit each.
-static inline unsigned wide_lanes(const uint32_t id[RB_WIDE])
+RB_INLINE unsigned wide_lanes(const uint32_t id[RB_WIDE])
 {
     unsigned bits = 0;
     for (int lane = 0; lane < RB_WIDE; lane++)
@@ -83,8 +86,8 @@ static inline unsigned wide_lanes(const uint32_t id[RB_WIDE])
 }
 
 // Own box, for the lanes that were hit.
-static inline void wide_clamp(struct vvec near, struct vvec far, const struct wide_ray *ray,
-                              struct wide_hits *hits)
+RB_INLINE void wide_clamp(struct vvec near, struct vvec far, const struct wide_ray *ray,
+                          struct wide_hits *hits)
 {
     vfloat from, to;
     wide_slabs(near, far, ray, &from, &to);
@@ -92,16 +95,14 @@ static inline void wide_clamp(struct vvec near, struct vvec far, const struct wi
     hits->found &= (from <= to) & (hits->t > 0.0f);
 }
 
-// The side of spheres' boxes that is nearer, or with `r` negative farther.
-static inline struct vvec wide_sphere_side(struct vvec center, vfloat r, const struct wide_ray *ray)
+// `r` with the sign of the direction.
+RB_INLINE vfloat wide_signed(vfloat r, vfloat inv)
 {
-    return (struct vvec){ray->backward[0] ? center.x + r : center.x - r,
-                         ray->backward[1] ? center.y + r : center.y - r,
-                         ray->backward[2] ? center.z + r : center.z - r};
+    return (vfloat)((vint)r | ((vint)inv & vi_set(0x80000000u)));
 }
 
-static inline struct wide_hits wide_spheres(const struct rb_wide_spheres *block, int lane,
-                                            const struct wide_ray *ray)
+RB_INLINE struct wide_hits wide_spheres(const struct rb_wide_spheres *block, int lane,
+                                        const struct wide_ray *ray)
 {
     struct vvec center = {vf_load(block->center[0] + lane), vf_load(block->center[1] + lane),
                           vf_load(block->center[2] + lane)};
@@ -114,21 +115,26 @@ static inline struct wide_hits wide_spheres(const struct rb_wide_spheres *block,
     hits.found = discriminant >= 0.0f;
     hits.prim = vi_load(block->id + lane);
     vint own = hits.prim == vi_set(ray->one->self);
-    vfloat root = vf_sqrt(discriminant), near = b - root, far = vf_select(own, b + b, b + root);
-    vint take_near = (near > 0.0f) & ~own;
+    vfloat root = vf_sqrt(discriminant);
+    vfloat enter = b - root, leave = vf_select(own, b + b, b + root);
+    vint take_enter = (enter > 0.0f) & ~own;
     if (ray->one->sides == RB_SIDES_BOTH)
         hits.found &= ~own;
     else
-        take_near &= ~(radius < 0.0f);
-    hits.t = vf_select(take_near, near, far);
+        take_enter &= ~(radius < 0.0f);
+    hits.t = vf_select(take_enter, enter, leave);
     hits.found &= hits.t > 0.0f;
     hits.u = hits.v = vf_set(0.0f);
     vfloat r = vf_abs(radius);
-    wide_clamp(wide_sphere_side(center, r, ray), wide_sphere_side(center, -r, ray), ray, &hits);
+    struct vvec toward = {wide_signed(r, ray->inv.x), wide_signed(r, ray->inv.y),
+                          wide_signed(r, ray->inv.z)};
+    struct vvec near = vv_sub(center, toward);
+    struct vvec far = {center.x + toward.x, center.y + toward.y, center.z + toward.z};
+    wide_clamp(near, far, ray, &hits);
     return hits;
 }
 
-static inline struct vvec wide_vertex(const struct rb_wide_triangles *block, int i, int lane)
+RB_INLINE struct vvec wide_vertex(const struct rb_wide_triangles *block, int i, int lane)
 {
     return (struct vvec){vf_load(block->v[i][0] + lane), vf_load(block->v[i][1] + lane),
                          vf_load(block->v[i][2] + lane)};
@@ -136,15 +142,15 @@ static inline struct vvec wide_vertex(const struct rb_wide_triangles *block, int
 
 // Lower and upper ends of an axis of boxes, as rb_triangle_bounds has them, swapped for rays that
 // go backward.
-static inline void wide_ends(vfloat a, vfloat b, vfloat c, int backward, vfloat *near, vfloat *far)
+RB_INLINE void wide_ends(vfloat a, vfloat b, vfloat c, vfloat inv, vfloat *near, vfloat *far)
 {
     vfloat low = vf_min(vf_min(a, b), c), high = vf_max(vf_max(a, b), c);
-    *near = backward ? high : low;
-    *far = backward ? low : high;
+    *near = vf_select(inv < 0.0f, high, low);
+    *far = vf_select(inv < 0.0f, low, high);
 }
 
-static inline struct wide_hits wide_triangles(const struct rb_wide_triangles *block, int lane,
-                                              const struct wide_ray *ray)
+RB_INLINE struct wide_hits wide_triangles(const struct rb_wide_triangles *block, int lane,
+                                          const struct wide_ray *ray)
 {
     struct vvec v0 = wide_vertex(block, 0, lane), v1 = wide_vertex(block, 1, lane);
     struct vvec v2 = wide_vertex(block, 2, lane), e1 = vv_sub(v1, v0), e2 = vv_sub(v2, v0);
@@ -165,9 +171,9 @@ static inline struct wide_hits wide_triangles(const struct rb_wide_triangles *bl
     hits.prim = vi_load(block->id + lane);
     hits.found &= hits.prim != vi_set(ray->one->self);
     struct vvec near, far;
-    wide_ends(v0.x, v1.x, v2.x, ray->backward[0], &near.x, &far.x);
-    wide_ends(v0.y, v1.y, v2.y, ray->backward[1], &near.y, &far.y);
-    wide_ends(v0.z, v1.z, v2.z, ray->backward[2], &near.z, &far.z);
+    wide_ends(v0.x, v1.x, v2.x, ray->inv.x, &near.x, &far.x);
+    wide_ends(v0.y, v1.y, v2.y, ray->inv.y, &near.y, &far.y);
+    wide_ends(v0.z, v1.z, v2.z, ray->inv.z, &near.z, &far.z);
     wide_clamp(near, far, ray, &hits);
     return hits;
 }

@@ -7,7 +7,6 @@
 
 #define OPENMP  "OpenMP"
 #define PACKETS "packet-*"
-#define BVH8    "bvh8-*"
 
 #define KERNELS(set) .kernels = &(set), .counted = &set##_counted
 
@@ -124,26 +123,6 @@ const struct rb_variant rb_variants[] = {
         .exact = true,
     },
     {
-        .name = "bvh8-avx512",
-        .summary = "bvh8-avx2 with mask registers",
-        .baseline = "bvh8-avx2",
-        X86(rb_kernels_wide_avx512),
-        .accelerator = RB_ACCEL_WIDE,
-        .schedule = rb_schedule_serial,
-        .needs = "avx512vl",
-        .exact = true,
-    },
-    {
-        .name = "bvh8-avx512+omp",
-        .summary = "bvh8-avx512, tiles shared among threads",
-        .baseline = "bvh8-avx512",
-        X86(rb_kernels_wide_avx512),
-        .accelerator = RB_ACCEL_WIDE,
-        .schedule = rb_schedule_openmp,
-        .needs = "avx512vl," OPENMP,
-        .exact = true,
-    },
-    {
         .name = "stream-sse2",
         .summary = "batches of rays go from node to node together, each against 8 boxes",
         .baseline = "bvh8-sse2",
@@ -190,7 +169,7 @@ const struct rb_variant rb_variants[] = {
         X86(rb_kernels_stream_avx2),
         .accelerator = RB_ACCEL_WIDE,
         .schedule = rb_schedule_serial,
-        .needs = "avx2",
+        .needs = "avx2,bmi2",
         .exact = true,
     },
     {
@@ -200,27 +179,7 @@ const struct rb_variant rb_variants[] = {
         X86(rb_kernels_stream_avx2),
         .accelerator = RB_ACCEL_WIDE,
         .schedule = rb_schedule_openmp,
-        .needs = "avx2," OPENMP,
-        .exact = true,
-    },
-    {
-        .name = "stream-avx512",
-        .summary = "stream-avx2 with mask registers",
-        .baseline = "bvh8-avx512",
-        X86(rb_kernels_stream_avx512),
-        .accelerator = RB_ACCEL_WIDE,
-        .schedule = rb_schedule_serial,
-        .needs = "avx512vl",
-        .exact = true,
-    },
-    {
-        .name = "stream-avx512+omp",
-        .summary = "stream-avx512, tiles shared among threads",
-        .baseline = "stream-avx512",
-        X86(rb_kernels_stream_avx512),
-        .accelerator = RB_ACCEL_WIDE,
-        .schedule = rb_schedule_openmp,
-        .needs = "avx512vl," OPENMP,
+        .needs = "avx2,bmi2," OPENMP,
         .exact = true,
     },
     {
