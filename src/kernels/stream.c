@@ -47,6 +47,9 @@ struct stream_ray {
     uint32_t unused[2];
 };
 
+// What a shadow ray has found: nothing is closer.
+#define OCCLUDED ((struct rb_hit){.t = -1.0f, .prim = 0})
+
 // A node or leaf that is still to be visited by `count` rays.
 struct visit {
     rb_wide_child child;
@@ -102,23 +105,78 @@ static void go_alone(struct stream *stream, const struct visit *visit)
         if (stream->sides != RB_SIDES_BOTH)
             *best = single_closest(stream->world, visit->child, &ray, *best);
         else if (single_any(stream->world, visit->child, &ray, best->t))
-            *best = (struct rb_hit){.t = -1.0f, .prim = 0};
+            *best = OCCLUDED;
     }
+}
+
+// Leaves of what has no vector form.
+static void visit_others(struct stream *stream, const struct visit *visit)
+{
+    const uint32_t *ids = rb_wide_ids(stream->world->wide, visit->child);
+    for (uint32_t i = 0; i < visit->count; i++) {
+        uint32_t index = stream->pool[visit->list + i];
+        struct rb_ray ray = ray_of(stream, index);
+        struct rb_hit *best = &stream->ray[index].best;
+        RB_COUNT_BEGIN(index);
+        if (stream->sides != RB_SIDES_BOTH)
+            *best = leaf_one_by_one(stream->world, ids, &ray, *best);
+        else if (leaf_one_by_one(stream->world, ids, &ray, RB_MISS).t < best->t)
+            *best = OCCLUDED;
+    }
+}
+
+static inline void splat(const struct stream_ray *ray, struct wide_ray *wide)
+{
+    wide->o = vv_set(ray->o), wide->inv = vv_set(ray->inv), wide->d = vv_set(ray->d);
+}
+
+static inline void take(const struct stream *stream, const struct wide_hits *hits,
+                        struct rb_hit *best)
+{
+    if (stream->sides != RB_SIDES_BOTH)
+        *best = keep_closest(hits, *best);
+    else if (vi_any(hits->found & (hits->t < best->t)))
+        *best = OCCLUDED;
+}
+
+// What the two loops over the rays of a leaf have in common.
+#define FOR_EACH_RAY(stream, visit, ray, best, test)                                               \
+    for (uint32_t i = 0; i < (visit)->count; i++) {                                                \
+        uint32_t index = (stream)->pool[(visit)->list + i];                                        \
+        struct rb_ray one = {.self = (stream)->ray[index].self, .sides = (stream)->sides};         \
+        struct wide_ray ray = {.one = &one};                                                       \
+        splat(&(stream)->ray[index], &ray);                                                        \
+        struct wide_hits hits = test;                                                              \
+        take(stream, &hits, &(stream)->ray[index].best);                                           \
+    }
+
+static void visit_spheres(struct stream *stream, const struct visit *visit, int lane)
+{
+    uint32_t block = rb_wide_index_of(visit->child);
+    struct wide_spheres spheres = wide_spheres_load(&stream->world->wide->spheres[block], lane);
+    FOR_EACH_RAY(stream, visit, ray, best, wide_spheres_hit(&spheres, &ray))
+}
+
+static void visit_triangles(struct stream *stream, const struct visit *visit, int lane)
+{
+    uint32_t block = rb_wide_index_of(visit->child);
+    struct wide_triangles triangles =
+        wide_triangles_load(&stream->world->wide->triangles[block], lane);
+    FOR_EACH_RAY(stream, visit, ray, best, wide_triangles_hit(&triangles, &ray))
 }
 
 static void visit_leaf(struct stream *stream, const struct visit *visit)
 {
-    for (uint32_t i = 0; i < visit->count; i++) {
-        uint32_t index = stream->pool[visit->list + i];
-        struct rb_ray one = ray_of(stream, index);
-        struct wide_ray ray;
-        wide_ray_make(&one, &ray);
-        struct rb_hit *best = &stream->ray[index].best;
-        RB_COUNT_BEGIN(index);
-        if (stream->sides != RB_SIDES_BOTH)
-            *best = leaf_closest(stream->world, visit->child, &ray, *best);
-        else if (leaf_any(stream->world, visit->child, &ray, best->t))
-            *best = (struct rb_hit){.t = -1.0f, .prim = 0};
+    enum rb_wide_kind kind = rb_wide_kind_of(visit->child);
+    if (kind == RB_WIDE_OTHERS || stream->sides == RB_SIDES_FRONT) {
+        visit_others(stream, visit);
+        return;
+    }
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
+        (kind == RB_WIDE_SPHERES ? visit_spheres : visit_triangles)(stream, visit, lane);
+    for (uint32_t i = 0; RB_COUNTS && i < visit->count; i++) {
+        RB_COUNT_BEGIN(stream->pool[visit->list + i]);
+        RB_COUNT(count_leaf(stream->world->wide, visit->child));
     }
 }
 
@@ -304,8 +362,7 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
             RB_COUNT_BEGIN(begin + i);
             bool occluded = rb_ray_valid(&ray) && rb_planes_any(world->scene, &ray, distance);
             add(&stream, &ray,
-                occluded ? (struct rb_hit){.t = -1.0f, .prim = 0}
-                         : (struct rb_hit){.t = distance, .prim = RB_NONE});
+                occluded ? OCCLUDED : (struct rb_hit){.t = distance, .prim = RB_NONE});
         }
         run(&stream);
         for (uint32_t i = 0; i < count; i++) {

@@ -101,19 +101,36 @@ RB_INLINE vfloat wide_signed(vfloat r, vfloat inv)
     return (vfloat)((vint)r | ((vint)inv & vi_set(0x80000000u)));
 }
 
-RB_INLINE struct wide_hits wide_spheres(const struct rb_wide_spheres *block, int lane,
-                                        const struct wide_ray *ray)
+// Part of a block of spheres.
+struct wide_spheres {
+    struct vvec center;
+    vfloat radius;
+    vint prim;
+};
+
+RB_INLINE struct wide_spheres wide_spheres_load(const struct rb_wide_spheres *block, int lane)
 {
-    struct vvec center = {vf_load(block->center[0] + lane), vf_load(block->center[1] + lane),
-                          vf_load(block->center[2] + lane)};
-    vfloat radius = vf_load(block->radius + lane);
+    return (struct wide_spheres){
+        {vf_load(block->center[0] + lane), vf_load(block->center[1] + lane),
+         vf_load(block->center[2] + lane)},
+        vf_load(block->radius + lane),
+        vi_load(block->id + lane),
+    };
+}
+
+// rb_sphere_hit
+RB_INLINE struct wide_hits wide_spheres_hit(const struct wide_spheres *spheres,
+                                            const struct wide_ray *ray)
+{
+    struct vvec center = spheres->center;
+    vfloat radius = spheres->radius;
     struct vvec l = vv_sub(center, ray->o);
     vfloat b = vv_dot(l, ray->d);
     struct vvec apart = vv_mad(l, -b, ray->d);
     vfloat discriminant = radius * radius - vv_dot(apart, apart);
     struct wide_hits hits;
     hits.found = discriminant >= 0.0f;
-    hits.prim = vi_load(block->id + lane);
+    hits.prim = spheres->prim;
     vint own = hits.prim == vi_set(ray->one->self);
     vfloat root = vf_sqrt(discriminant);
     vfloat enter = b - root, leave = vf_select(own, b + b, b + root);
@@ -134,12 +151,6 @@ RB_INLINE struct wide_hits wide_spheres(const struct rb_wide_spheres *block, int
     return hits;
 }
 
-RB_INLINE struct vvec wide_vertex(const struct rb_wide_triangles *block, int i, int lane)
-{
-    return (struct vvec){vf_load(block->v[i][0] + lane), vf_load(block->v[i][1] + lane),
-                         vf_load(block->v[i][2] + lane)};
-}
-
 // Lower and upper ends of an axis of boxes, as rb_triangle_bounds has them, swapped for rays that
 // go backward.
 RB_INLINE void wide_ends(vfloat a, vfloat b, vfloat c, vfloat inv, vfloat *near, vfloat *far)
@@ -149,31 +160,56 @@ RB_INLINE void wide_ends(vfloat a, vfloat b, vfloat c, vfloat inv, vfloat *near,
     *far = vf_select(inv < 0.0f, low, high);
 }
 
-RB_INLINE struct wide_hits wide_triangles(const struct rb_wide_triangles *block, int lane,
-                                          const struct wide_ray *ray)
+RB_INLINE struct vvec wide_vertex(const struct rb_wide_triangles *block, int i, int lane)
 {
-    struct vvec v0 = wide_vertex(block, 0, lane), v1 = wide_vertex(block, 1, lane);
-    struct vvec v2 = wide_vertex(block, 2, lane), e1 = vv_sub(v1, v0), e2 = vv_sub(v2, v0);
-    struct vvec s = vv_sub(ray->o, v0), p = vv_cross(ray->d, e2), q = vv_cross(s, e1);
-    vfloat det = vv_dot(e1, p), area = vf_abs(det);
+    return (struct vvec){vf_load(block->v[i][0] + lane), vf_load(block->v[i][1] + lane),
+                         vf_load(block->v[i][2] + lane)};
+}
+
+// Part of a block of triangles, with what of them does not depend on the ray.
+struct wide_triangles {
+    struct vvec v0, v1, v2, e1, e2;
+    vfloat reach; // of the edges
+    vint prim;
+};
+
+RB_INLINE struct wide_triangles wide_triangles_load(const struct rb_wide_triangles *block, int lane)
+{
+    struct wide_triangles of;
+    of.v0 = wide_vertex(block, 0, lane);
+    of.v1 = wide_vertex(block, 1, lane);
+    of.v2 = wide_vertex(block, 2, lane);
+    of.e1 = vv_sub(of.v1, of.v0);
+    of.e2 = vv_sub(of.v2, of.v0);
+    of.reach = vf_max(vv_reach(of.e1), vv_reach(of.e2));
+    of.prim = vi_load(block->id + lane);
+    return of;
+}
+
+// rb_triangle_hit
+RB_INLINE struct wide_hits wide_triangles_hit(const struct wide_triangles *of,
+                                              const struct wide_ray *ray)
+{
+    struct vvec s = vv_sub(ray->o, of->v0), p = vv_cross(ray->d, of->e2), q = vv_cross(s, of->e1);
+    vfloat det = vv_dot(of->e1, p), area = vf_abs(det);
     vint flip = (vint)det & vi_set(0x80000000u); // a product with the sign of det
     vfloat us = (vfloat)((vint)vv_dot(s, p) ^ flip);
     vfloat vs = (vfloat)((vint)vv_dot(ray->d, q) ^ flip);
-    vfloat slack = RB_EDGE_TOLERANCE * vv_reach(s) * vf_max(vv_reach(e1), vv_reach(e2));
+    vfloat slack = RB_EDGE_TOLERANCE * vv_reach(s) * of->reach;
     struct wide_hits hits;
     hits.found = (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) & (area >= FLT_MIN);
     if (!vi_any(hits.found))
         return hits;
     vfloat inverse = 1.0f / area, zero = vf_set(0.0f), one = vf_set(1.0f);
-    hits.t = (vfloat)((vint)vv_dot(e2, q) ^ flip) * inverse;
+    hits.t = (vfloat)((vint)vv_dot(of->e2, q) ^ flip) * inverse;
     hits.u = vf_min(vf_max(us * inverse, zero), one);
     hits.v = vf_min(vf_max(vs * inverse, zero), one - hits.u);
-    hits.prim = vi_load(block->id + lane);
+    hits.prim = of->prim;
     hits.found &= hits.prim != vi_set(ray->one->self);
     struct vvec near, far;
-    wide_ends(v0.x, v1.x, v2.x, ray->inv.x, &near.x, &far.x);
-    wide_ends(v0.y, v1.y, v2.y, ray->inv.y, &near.y, &far.y);
-    wide_ends(v0.z, v1.z, v2.z, ray->inv.z, &near.z, &far.z);
+    wide_ends(of->v0.x, of->v1.x, of->v2.x, ray->inv.x, &near.x, &far.x);
+    wide_ends(of->v0.y, of->v1.y, of->v2.y, ray->inv.y, &near.y, &far.y);
+    wide_ends(of->v0.z, of->v1.z, of->v2.z, ray->inv.z, &near.z, &far.z);
     wide_clamp(near, far, ray, &hits);
     return hits;
 }

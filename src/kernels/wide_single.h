@@ -52,9 +52,12 @@ RB_INLINE struct wide_hits leaf_part(const struct rb_wide *wide, rb_wide_child l
                                      const struct wide_ray *ray)
 {
     uint32_t index = rb_wide_index_of(leaf);
-    return rb_wide_kind_of(leaf) == RB_WIDE_SPHERES
-               ? wide_spheres(&wide->spheres[index], lane, ray)
-               : wide_triangles(&wide->triangles[index], lane, ray);
+    if (rb_wide_kind_of(leaf) == RB_WIDE_SPHERES) {
+        struct wide_spheres spheres = wide_spheres_load(&wide->spheres[index], lane);
+        return wide_spheres_hit(&spheres, ray);
+    }
+    struct wide_triangles triangles = wide_triangles_load(&wide->triangles[index], lane);
+    return wide_triangles_hit(&triangles, ray);
 }
 
 RB_INLINE void count_leaf(const struct rb_wide *wide, rb_wide_child leaf)
