@@ -257,6 +257,15 @@ static inline void filter(const struct stream *stream, const struct visit *visit
     }
 }
 
+static inline void prefetch(const struct rb_wide *wide, rb_wide_child child)
+{
+    uint32_t index = rb_wide_index_of(child);
+    enum rb_wide_kind kind = rb_wide_kind_of(child);
+    const char *at = kind == RB_WIDE_NODE ? (const char *)&wide->nodes[index] : kind == RB_WIDE_SPHERES ? (const char*)&wide->spheres[index] : (const char*)&wide->triangles[index];
+    for (int i = 0; i < (kind == RB_WIDE_TRIANGLES ? 5 : 4); i++)
+        __builtin_prefetch(at + 64 * i);
+}
+
 // Leaves visits of the children on the stack, the one that is nearest on average on top.
 static int visit_node(struct stream *stream, const struct visit *visit, uint32_t top, int depth)
 {
@@ -279,6 +288,7 @@ static int visit_node(struct stream *stream, const struct visit *visit, uint32_t
         int lane = (int)(uint32_t)order[i];
         stream->stack[depth++] = (struct visit){node->child[lane], top, counts[lane]};
         filter(stream, visit, lane, stream->pool + top);
+        prefetch(stream->world->wide, node->child[lane]);
         top += counts[lane];
     }
     return depth;
@@ -295,7 +305,7 @@ static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint3
         uint32_t end = visit.list + visit.count, top = end > floor ? end : floor;
         if (rb_wide_kind_of(visit.child) != RB_WIDE_NODE)
             visit_leaf(stream, &visit);
-        else if (visit.count < 2 || POOL - top < RB_WIDE * (visit.count + 1))
+        else if (visit.count < 1 || POOL - top < RB_WIDE * (visit.count + 1))
             go_alone(stream, &visit);
         else
             depth = visit_node(stream, &visit, top, depth);
