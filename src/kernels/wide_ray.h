@@ -33,6 +33,19 @@ RB_INLINE void wide_ray_make(const struct rb_ray *ray, struct wide_ray *wide)
     wide->one = ray;
 }
 
+// `r` >= 0 with the sign of `direction`.
+RB_INLINE vfloat wide_signed(vfloat r, vfloat direction)
+{
+    return (vfloat)((vint)r | ((vint)direction & vi_set(0x80000000u)));
+}
+
+// rb_safe_inverse
+RB_INLINE vfloat wide_inverse(vfloat d)
+{
+    vfloat magnitude = vf_max(vf_abs(d), vf_set(RB_DIRECTION_MIN));
+    return 1.0f / wide_signed(magnitude, d);
+}
+
 // rb_box. Rounding is monotone, so scaling the least of the far distances gives the least of the
 // scaled ones.
 RB_INLINE void wide_slabs(struct vvec near, struct vvec far, const struct wide_ray *ray,
@@ -93,12 +106,6 @@ RB_INLINE void wide_clamp(struct vvec near, struct vvec far, const struct wide_r
     wide_slabs(near, far, ray, &from, &to);
     hits->t = vf_min(vf_max(hits->t, from), to);
     hits->found &= (from <= to) & (hits->t > 0.0f);
-}
-
-// `r` with the sign of the direction.
-RB_INLINE vfloat wide_signed(vfloat r, vfloat inv)
-{
-    return (vfloat)((vint)r | ((vint)inv & vi_set(0x80000000u)));
 }
 
 // Part of a block of spheres.
