@@ -291,8 +291,7 @@ static inline void filter(const struct stream *stream, const struct visit *visit
 {
     for (uint32_t i = 0; i < visit->count; i += RB_LANES) {
         unsigned bits = stream->bits[i / 8 * 8 + (uint32_t)lane] >> i % 8 & VI_ALL_BITS;
-        vi_store(to, vi_compress(vi_load(stream->pool + visit->list + i), bits));
-        to += __builtin_popcount(bits);
+        to += vi_pack(to, vi_load(stream->pool + visit->list + i), bits);
     }
 }
 
