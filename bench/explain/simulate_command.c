@@ -1,12 +1,11 @@
-#define _POSIX_C_SOURCE 200809L
 #include "bench/explain/simulate_command.h"
 
 #include "bench/explain/simulate_table.h"
 #include "bench/run/session.h"
+#include "bench/run/simulate_cell.h"
 #include "cli/commands.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 static int run(const struct rb_arguments *arguments);
 
@@ -37,24 +36,6 @@ const struct rb_command rb_command_simulate = {
     .run = run,
 };
 
-// Rows that stand for others do without what valgrind lacks.
-static void disable_avx512(void)
-{
-    const char *disabled = getenv("RAYBENCH_CPU_DISABLE");
-    char list[256];
-    snprintf(list, sizeof list, "%.200s%savx512f", disabled ? disabled : "",
-             disabled && *disabled ? "," : "");
-    setenv("RAYBENCH_CPU_DISABLE", list, 1);
-}
-
-static void print_head(const struct rb_run *run)
-{
-    const struct rb_variant *packet = rb_variant_resolve(rb_variant_find("packet"));
-    rb_simulate_print_caches(&run->caches);
-    if (packet)
-        printf("valgrind has no AVX-512: packet means %s\n", packet->name);
-}
-
 // Why others were not simulated has been said.
 static int print(const struct rb_run *run, bool partial)
 {
@@ -63,7 +44,7 @@ static int print(const struct rb_run *run, bool partial)
         if (!run->plan->cells[i].simulated)
             continue;
         if (done++ == 0)
-            print_head(run);
+            rb_simulate_print_caches(&run->caches);
         rb_simulate_print(&run->plan->cells[i]);
     }
     if (done == 0)
@@ -80,6 +61,6 @@ static int run(const struct rb_arguments *arguments)
         .defaults = "measure = simulate\nvariants = naive,bvh,packet\n",
         .print = print,
     };
-    disable_avx512();
+    rb_simulate_mask();
     return rb_session_run(&kind, arguments);
 }

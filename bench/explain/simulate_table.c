@@ -21,6 +21,9 @@ void rb_simulate_print_caches(const struct rb_caches *caches)
                levels[i].cache->rounded ? " (made a power of two of sets)" : "");
     }
     printf("; lines of %" PRIu32 " bytes\n", caches->ll.line_bytes);
+    const struct rb_variant *packet = rb_variant_resolve(rb_variant_find("packet"));
+    if (packet)
+        printf("valgrind has no AVX-512: packet means %s\n", packet->name);
 }
 
 // The figures of a line: per ray, and as a share of all that was simulated.
@@ -87,9 +90,11 @@ void rb_simulate_print(const struct rb_cell *cell)
     const struct rb_simulated *simulated = cell->simulated;
     struct rb_simulated_place all = rb_simulated_sum(simulated, -1);
     double cycles = cycles_of(all);
-    printf("\n%s, %s: %" PRIu32 " of %" PRIu32 " tiles of %d x %d pixels, %.3g instructions\n",
-           cell->reference->scene_name, simulated->row, simulated->tiles, simulated->all_tiles,
-           simulated->tile, simulated->tile, (double)all.events[RB_SIM_IR]);
+    printf("\n%s, %s: ", cell->reference->scene_name, simulated->row);
+    if (simulated->tiles)
+        printf("%" PRIu32 " of %" PRIu32 " tiles of %d x %d pixels, ", simulated->tiles,
+               simulated->all_tiles, simulated->tile, simulated->tile);
+    printf("%.3g instructions\n", (double)all.events[RB_SIM_IR]);
     printf("  %-13s %6s %9s", "kernel", "bounce", "rays");
     for (int c = 0; c < COLUMN_COUNT; c++)
         printf("%*s", columns[c].width, columns[c].head);
@@ -101,7 +106,8 @@ void rb_simulate_print(const struct rb_cell *cell)
                             cycles);
     for (int stage = RB_KERNEL_COUNT; stage < RB_STAGE_COUNT; stage++) {
         struct rb_simulated_place place = rb_simulated_sum(simulated, stage);
-        print_place(&place, rb_stage_names[stage], -1, cycles);
+        if (place.laps)
+            print_place(&place, rb_stage_names[stage], -1, cycles);
     }
 }
 

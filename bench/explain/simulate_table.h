@@ -4,7 +4,7 @@
 
 #include "bench/run/plan.h"
 
-// The caches, once for all tables.
+// The caches and what packet means, once for all tables.
 void rb_simulate_print_caches(const struct rb_caches *caches);
 
 // What was simulated of the cell: events per ray and shares of the modelled cycles, by kernel and

@@ -4,6 +4,7 @@
 #include "bench/replay/replay.h"
 
 #include "bench/replay/record.h"
+#include "bench/replay/replay_evidence.h"
 #include "bench/replay/source.h"
 #include "bench/run/process.h"
 #include "bench/run/reference.h"
@@ -24,6 +25,13 @@ static const struct rb_option options[] = {
      "time for each kernel and bounce, and for the frames next to them; default 1"},
     {"--processes", "N", RB_OPTION_INT, BENCH(processes), 1, 1000,
      "processes it is shared among; default 6, the fewest with a 95 % interval"},
+    {"--mode", "time|count|simulate", RB_OPTION_TEXT, BENCH(mode), 0, 0,
+     "what to find out: time; exact counts of what the kernels do; or instructions and misses, "
+     "from valgrind, of some of the batches; default time"},
+    {"--l1", "SIZE,WAYS", RB_OPTION_TEXT, BENCH(l1), 0, 0,
+     "simulated L1 data cache, such as 32K,8; default: this machine's"},
+    {"--ll", "SIZE,WAYS", RB_OPTION_TEXT, BENCH(ll), 0, 0,
+     "simulated last-level cache, such as 32M,16; default: this machine's"},
     {"--list", NULL, RB_OPTION_FLAG, BENCH(list), 0, 0, "print what is in the file, and end"},
     {"--quiet", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, quiet), 0, 0,
      "no progress, no warnings"},
@@ -67,9 +75,8 @@ static int process_count(const struct rb_arguments *arguments)
     return arguments->bench.processes ? arguments->bench.processes : PROCESSES_DEFAULT;
 }
 
-// The command line of a worker that replays a unit.
-static void unit_words(const struct rb_replay_run *run, const struct rb_replay_unit *unit,
-                       struct rb_worker_words *words)
+void rb_replay_unit_words(const struct rb_replay_run *run, const struct rb_replay_unit *unit,
+                          struct rb_worker_words *words)
 {
     rb_worker_word(words, "%s", run->program);
     rb_worker_word(words, "replay-worker");
@@ -79,13 +86,23 @@ static void unit_words(const struct rb_replay_run *run, const struct rb_replay_u
     rb_worker_word(words, "--bounce=%d", unit->choice.bounce);
 }
 
-// Of one that renders frames, which must be those recorded.
+// Seconds of a process.
+static double slice_s(const struct rb_arguments *arguments)
+{
+    double seconds = arguments->budget_s > 0 ? arguments->budget_s : SECONDS_DEFAULT;
+    return seconds / process_count(arguments);
+}
+
+// The command line of a worker that renders frames, which must be those recorded.
 static void frame_words(const struct rb_replay_run *run, struct rb_worker_words *words)
 {
     const struct rb_record_contents *contents = &run->record.contents;
-    rb_reference_words(&run->reference.settings, run->program, run->in_place.variant, words);
-    rb_worker_word(words, "--expect=%" PRIx64 ":%" PRIx64, contents->image_hash,
-                   contents->hits_hash);
+    rb_reference_words(&run->in_place.settings, run->program, run->in_place.variant, words);
+    if (run->in_place.group_tiles)
+        rb_worker_word(words, "--group-tiles=%u", run->in_place.group_tiles);
+    else
+        rb_worker_word(words, "--expect=%" PRIx64 ":%" PRIx64, contents->image_hash,
+                       contents->hits_hash);
 }
 
 static bool keep_sample(void *user, const struct rb_sample *sample)
@@ -97,7 +114,8 @@ static bool keep_sample(void *user, const struct rb_sample *sample)
 static void run_process(struct rb_cell *cell, const struct rb_worker_words *words, const char *what)
 {
     struct rb_error error = {0}, told = {0};
-    enum rb_status status = rb_process_run(words, false, sizeof(struct rb_sample), keep_sample, cell, &error);
+    enum rb_status status =
+        rb_process_run(words, false, sizeof(struct rb_sample), keep_sample, cell, &error);
     if (rb_process_interrupted())
         return;
     cell->process_count += status == RB_OK;
@@ -119,17 +137,16 @@ static void run_turn(struct rb_replay_run *run, const struct rb_arguments *argum
     struct rb_replay_unit *unit = index < 0 ? NULL : &run->units[index];
     struct rb_cell *cell = unit ? &unit->cell : &run->in_place;
     char what[64] = "frames in place";
-    if (cell->state != RB_CELL_OPEN)
+    if (cell->state != RB_CELL_OPEN || (!unit && !run->frames_wanted))
         return;
     if (unit) {
-        unit_words(run, unit, &words);
+        rb_replay_unit_words(run, unit, &words);
         snprintf(what, sizeof what, "%s at bounce %d, %s", rb_stage_names[unit->choice.kernel],
                  unit->choice.bounce, rb_ray_class_names[unit->choice.ray_class]);
     } else {
         frame_words(run, &words);
     }
-    double seconds = arguments->budget_s > 0 ? arguments->budget_s : SECONDS_DEFAULT;
-    rb_worker_word(&words, "--slice=%.4f", seconds / process_count(arguments));
+    rb_worker_word(&words, "--slice=%.4f", slice_s(arguments));
     rb_worker_word(&words, "--cpu=%d", choose_cpu(round));
     rb_worker_word(&words, "--process=%d", round);
     rb_worker_word(&words, "--");
@@ -169,6 +186,7 @@ static void make_units(struct rb_replay_run *run, const struct rb_variant *varia
                 unit->choice = (struct rb_record_choice){(enum rb_ray_class)c, (enum rb_stage)k, b};
                 unit->rays = run->record.contents.of[c][kind][b].rays;
                 unit->batches = run->record.contents.of[c][kind][b].batches;
+                run->frames_wanted |= c == RB_CLASS_IMAGE;
                 unit->cell = (struct rb_cell){.variant = variant,
                                               .reference = &run->reference,
                                               .settings = run->reference.settings};
@@ -208,6 +226,17 @@ static enum rb_status prepare(struct rb_replay_run *run, const struct rb_variant
     return RB_OK;
 }
 
+// Frames that take too long are measured in groups of tiles, as bench does.
+static void prepare_frames(struct rb_replay_run *run, const struct rb_scene *scene, double slice)
+{
+    struct rb_reference *reference = &run->reference;
+    reference->primitive_count = scene->primitive_count;
+    for (int kind = 0; kind < RB_BATCH_KIND_COUNT; kind++)
+        for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
+            reference->rays += (double)run->record.contents.of[RB_CLASS_IMAGE][kind][bounce].rays;
+    rb_reference_choose_group(&run->in_place, slice);
+}
+
 // The exit code: 2 if anything differed, 1 if anything crashed.
 static int judge(const struct rb_replay_run *run)
 {
@@ -220,21 +249,8 @@ static int judge(const struct rb_replay_run *run)
     return invalid ? RB_INVALID : crashed ? RB_FAILED : RB_OK;
 }
 
-static int measure(struct rb_replay_run *run, const struct rb_arguments *arguments)
+static int measure_times(struct rb_replay_run *run, const struct rb_arguments *arguments)
 {
-    struct rb_error error = {0};
-    struct rb_scene scene;
-    const struct rb_variant *variant = rb_replay_variant(arguments);
-    if (!variant)
-        return RB_INVALID;
-    enum rb_status status = prepare(run, variant, arguments, &error);
-    if (status)
-        return rb_report(status, &error);
-    int code = rb_record_open_scene(&run->record, run->path, arguments, &scene);
-    if (code)
-        return code;
-    run->reference.primitive_count = scene.primitive_count;
-    rb_scene_free(&scene);
     rb_clock_begin();
     rb_process_catch_signals();
     run_rounds(run, arguments);
@@ -247,6 +263,45 @@ static int measure(struct rb_replay_run *run, const struct rb_arguments *argumen
     if (rb_process_interrupted())
         rb_process_raise_again();
     return judge(run);
+}
+
+typedef int mode_fn(struct rb_replay_run *run, const struct rb_arguments *arguments);
+
+static const struct {
+    const char *name;
+    mode_fn *run;
+} modes[] = {{"time", measure_times}, {"count", rb_replay_count}, {"simulate", rb_replay_simulate}};
+
+// NULL after reporting an unknown name.
+static mode_fn *find_mode(const char *name)
+{
+    struct rb_error error = {0};
+    for (size_t i = 0; i < sizeof modes / sizeof *modes; i++)
+        if (strcmp(name ? name : modes[0].name, modes[i].name) == 0)
+            return modes[i].run;
+    rb_error_set(&error, RB_INVALID, "--mode %.64s: there are time, count, simulate", name);
+    rb_report(RB_INVALID, &error);
+    return NULL;
+}
+
+static int measure(struct rb_replay_run *run, const struct rb_arguments *arguments)
+{
+    struct rb_error error = {0};
+    struct rb_scene scene;
+    mode_fn *mode = find_mode(arguments->bench.mode);
+    const struct rb_variant *variant = mode ? rb_replay_variant(arguments) : NULL;
+    if (!variant)
+        return RB_INVALID;
+    enum rb_status status = prepare(run, variant, arguments, &error);
+    if (status)
+        return rb_report(status, &error);
+    int code = rb_record_open_scene(&run->record, run->path, arguments, &scene);
+    if (code)
+        return code;
+    prepare_frames(run, &scene, slice_s(arguments));
+    rb_scene_free(&scene);
+    rb_replay_print_head(run);
+    return mode(run, arguments);
 }
 
 static int run(const struct rb_arguments *arguments)

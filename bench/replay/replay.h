@@ -26,10 +26,12 @@ struct rb_replay_run {
     struct rb_replay_unit units[RB_REPLAY_UNITS_MAX];
     int unit_count;
     struct rb_cell in_place;
+    bool frames_wanted; // some unit has rays of the image
     double probe_ns;
 };
 
-// The results, on standard output (replay_table.c).
+// What is replayed, and the times, on standard output (replay_table.c).
+void rb_replay_print_head(const struct rb_replay_run *run);
 void rb_replay_print(const struct rb_replay_run *run);
 
 #endif

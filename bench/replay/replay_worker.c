@@ -1,10 +1,13 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/replay/replay_worker.h"
 
+#include "base/hash.h"
 #include "bench/replay/source.h"
 #include "bench/run/repeat.h"
 #include "cli/commands.h"
+#include "measure/simulate.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -16,6 +19,8 @@ static const struct rb_option options[] = {
     {"--slice", "S", RB_OPTION_NUMBER, BENCH(slice_s), 0, 1e6, "seconds the process may take"},
     {"--cpu", "N", RB_OPTION_INT, BENCH(cpu), -1, 65535, "processor to stay on; -1: any"},
     {"--process", "N", RB_OPTION_INT, BENCH(process), 0, 1e6, "round, for the samples"},
+    {"--simulate-batches", "N", RB_OPTION_INT, BENCH(simulate_tiles), 0, 1e9,
+     "two rounds over so many batches, the second one as laps of a simulator"},
     {.name = NULL},
 };
 
@@ -36,11 +41,70 @@ const struct rb_command rb_command_replay_worker = {
 // preemption are then a small part of it.
 enum { REPETITION_NS = 2000000 };
 
+static const double VERIFY_SHARE = 0.3; // of the time, at most
+
 // Rounds that make a repetition, from how long one took.
 static uint32_t choose_rounds(uint64_t round_ns)
 {
     uint64_t rounds = REPETITION_NS / (round_ns ? round_ns : 1);
     return rounds < 1 ? 1 : rounds > 1000000 ? 1000000 : (uint32_t)rounds;
+}
+
+// The groups of batches of a replay, shuffled: the first batch of each. NULL without memory.
+static size_t *shuffle_groups(const struct rb_replay *replay, uint64_t seed, size_t *count)
+{
+    size_t *order = rb_alloc(replay->count, sizeof *order);
+    *count = 0;
+    for (size_t i = 0; order && i < replay->count; i = rb_replay_group_end(replay, i)) {
+        size_t j = (size_t)(rb_hash_word(seed, *count) % (*count + 1)); // Fisher and Yates
+        order[*count] = order[j];
+        order[j] = i;
+        (*count)++;
+    }
+    return order;
+}
+
+// Drops the groups of `dropped`; the others keep the order of the file.
+static void drop_groups(struct rb_replay_source *source, const size_t *dropped, size_t count)
+{
+    struct rb_batch *batches = source->record.batches.data;
+    size_t kept = 0;
+    for (size_t g = 0; g < count; g++)
+        for (size_t i = dropped[g], end = rb_replay_group_end(&source->replay, i); i < end; i++) {
+            rb_free(batches[i].memory);
+            batches[i].memory = NULL;
+        }
+    for (size_t i = 0; i < source->replay.count; i++)
+        if (batches[i].memory)
+            batches[kept++] = batches[i];
+    source->record.batches.count = source->replay.count = kept;
+}
+
+// Verifies batches in random order until there are `most` of them or the time is up; the others are
+// left out. What is replayed then is a random sample, another one in every process.
+static enum rb_status verify(struct rb_repeater *repeater, struct rb_replay_source *source,
+                             size_t most, double limit_s, struct rb_error *error)
+{
+    struct rb_replay *replay = &source->replay;
+    size_t count, done = 0;
+    size_t *order = shuffle_groups(replay, repeater->sample.process, &count);
+    if (!order)
+        return rb_error_memory(error, "the order of the batches");
+    uint64_t start_ns = rb_clock_ns();
+    enum rb_status status = RB_OK;
+    while (status == RB_OK && done < count && done < most &&
+           (done == 0 || (double)(rb_clock_ns() - start_ns) < limit_s * 1e9)) {
+        size_t first = order[done++];
+        status = rb_replay_verify(source->renderer, replay, first,
+                                  rb_replay_group_end(replay, first), error);
+    }
+    drop_groups(source, order + done, count - done);
+    rb_free(order);
+    if (status == RB_INVALID) {
+        repeater->sample.mismatch = true;
+        rb_repeater_send(repeater, NULL);
+    }
+    return status;
 }
 
 // The first round says how many make a repetition. Where there is no time for a second one, it is
@@ -49,19 +113,34 @@ static enum rb_status measure(struct rb_repeater *repeater, struct rb_replay_sou
                               struct rb_error *error)
 {
     struct rb_run_result result;
-    repeater->renderer = source->renderer;
-    repeater->how.replay = &source->replay;
-    if (rb_replay_verify(source->renderer, &source->replay, error)) {
-        repeater->sample.mismatch = true;
-        rb_repeater_send(repeater, NULL);
-        return RB_INVALID;
-    }
+    size_t count = source->replay.count;
+    enum rb_status status =
+        verify(repeater, source, SIZE_MAX, VERIFY_SHARE * repeater->slice_s, error);
+    if (status)
+        return status;
     rb_repeater_measure(repeater, &result);
     if (rb_clock_ns() + result.wall_ns - repeater->start_ns > (uint64_t)(repeater->slice_s * 1e9))
         return rb_repeater_send(repeater, error);
-    source->replay.rounds = choose_rounds(result.wall_ns);
+    if (source->replay.count == count) // repetitions of a sample are one round: it can be told
+        source->replay.rounds = choose_rounds(result.wall_ns);
     rb_repeater_warm_up(repeater);
     return rb_repeater_run(repeater, error);
+}
+
+// Some batches once to warm the simulated caches, and once to count.
+static enum rb_status simulate(struct rb_repeater *repeater, struct rb_replay_source *source,
+                               size_t batches, const char *row, struct rb_error *error)
+{
+    struct rb_run_result result;
+    enum rb_status status = verify(repeater, source, batches, (double)INFINITY, error);
+    if (status)
+        return status;
+    source->replay.rounds = 2;
+    repeater->how.simulate_from = 1;
+    rb_simulate_start();
+    rb_repeater_measure(repeater, &result);
+    rb_simulate_end(0, row);
+    return rb_repeater_send(repeater, error);
 }
 
 static int run(const struct rb_arguments *arguments)
@@ -83,7 +162,13 @@ static int run(const struct rb_arguments *arguments)
     if (code)
         return code;
     snprintf(error.file, sizeof error.file, "%.255s", arguments->positional[0]);
-    status = measure(&repeater, &source, &error);
+    repeater.renderer = source.renderer;
+    repeater.how.replay = &source.replay;
+    if (arguments->bench.simulate_tiles)
+        status = simulate(&repeater, &source, (size_t)arguments->bench.simulate_tiles,
+                          rb_replay_variant(arguments)->name, &error);
+    else
+        status = measure(&repeater, &source, &error);
     rb_replay_source_close(&source);
     return status ? rb_report(status, &error) : 0;
 }

@@ -161,7 +161,7 @@ size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int 
     const struct place place = {stage, bounce};
     const struct rb_sample *samples = cell->samples;
     size_t n = 0;
-    if (!rb_cell_has_time(cell) || isnan(place_ns_per_ray(&samples[0], &place)))
+    if (!rb_cell_has_time(cell))
         return 0;
     for (size_t first = 0, end = 0; first < cell->sample_count; first = end) {
         double values[RB_REPETITIONS_MAX];
@@ -169,6 +169,8 @@ size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int 
         for (; end < cell->sample_count && samples[end].process == samples[first].process; end++)
             if (count < RB_REPETITIONS_MAX)
                 values[count++] = place_ns_per_ray(&samples[end], &place);
+        if (isnan(values[0])) // a group of tiles without such rays
+            return 0;
         times[n++] = rb_stats_quantile_lower(values, count, 0.1);
     }
     return n;

@@ -51,6 +51,19 @@ double rb_reference_naive_s(const struct rb_reference *reference)
     return NAIVE_TEST_S * reference->rays * reference->primitive_count;
 }
 
+void rb_reference_choose_group(struct rb_cell *cell, double slice_s)
+{
+    double frame_s = rb_reference_naive_s(cell->reference) / cell->settings.threads;
+    if (cell->variant->accelerator != RB_ACCEL_NONE || 2 * frame_s < slice_s)
+        return;
+    int columns = (cell->settings.width - 1) / RB_SAMPLE_TILE + 1;
+    int rows = (cell->settings.height - 1) / RB_SAMPLE_TILE + 1;
+    double tiles = (double)columns * rows, affordable = tiles * slice_s / 2 / frame_s;
+    cell->group_tiles = affordable > 1 ? (uint32_t)affordable : 1;
+    cell->group_population = tiles / cell->group_tiles;
+    cell->settings.tile = RB_SAMPLE_TILE;
+}
+
 static bool keep_sample(void *user, const struct rb_sample *sample)
 {
     *(struct rb_sample *)user = *sample;

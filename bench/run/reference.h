@@ -17,6 +17,10 @@ void rb_reference_scene_word(const struct rb_reference *reference, struct rb_wor
 // Seconds that one thread of naive would take for a frame, roughly; the reference must be made.
 double rb_reference_naive_s(const struct rb_reference *reference);
 
+// A cell of naive whose frame would take more than half of `slice_s` is to measure groups of tiles
+// that take that long.
+void rb_reference_choose_group(struct rb_cell *cell, double slice_s);
+
 // Makes the reference, from `cache_path` if it is there. Naive is rendered in full if that takes no
 // more than about `budget_s`, or `full` is set, and then kept in the file. RB_INVALID if naive and
 // bvh disagree.

@@ -6,7 +6,6 @@
 #include "bench/run/process.h"
 #include "bench/run/reference.h"
 #include "bench/run/samples_file.h"
-#include "bench/run/tiles.h"
 #include "cli/commands.h"
 #include "measure/affinity.h"
 
@@ -255,25 +254,12 @@ static enum rb_status spend_rest(struct rb_run *run, struct rb_error *error)
     return status;
 }
 
-// Cells of naive whose frame would take more than half of their processes' time measure groups of
-// tiles that take that long.
 static void choose_groups(struct rb_run *run)
 {
     double slice_s = run->budget_s / (rb_run_processes(run) * run->plan->cell_count);
-    for (int i = 0; i < run->plan->cell_count; i++) {
-        struct rb_cell *cell = &run->plan->cells[i];
-        if (cell->variant->accelerator != RB_ACCEL_NONE || cell->state != RB_CELL_OPEN)
-            continue;
-        double frame_s = rb_reference_naive_s(cell->reference) / cell->settings.threads;
-        if (2 * frame_s < slice_s)
-            continue;
-        int columns = (cell->settings.width - 1) / RB_SAMPLE_TILE + 1;
-        int rows = (cell->settings.height - 1) / RB_SAMPLE_TILE + 1;
-        double tiles = (double)columns * rows, affordable = tiles * slice_s / 2 / frame_s;
-        cell->group_tiles = affordable > 1 ? (uint32_t)affordable : 1;
-        cell->group_population = tiles / cell->group_tiles;
-        cell->settings.tile = RB_SAMPLE_TILE;
-    }
+    for (int i = 0; i < run->plan->cell_count; i++)
+        if (run->plan->cells[i].state == RB_CELL_OPEN)
+            rb_reference_choose_group(&run->plan->cells[i], slice_s);
 }
 
 static enum rb_status make_references(struct rb_run *run, struct rb_error *error)

@@ -2,6 +2,7 @@
 
 #include "bench/compare/compare.h"
 #include "bench/explain/count.h"
+#include "bench/explain/explain.h"
 #include "bench/explain/simulate_command.h"
 #include "bench/export/export.h"
 #include "bench/machine/doctor.h"
@@ -28,6 +29,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_bench,
     &rb_command_simulate,
     &rb_command_count,
+    &rb_command_explain,
     &rb_command_compare,
     &rb_command_export,
     &rb_command_table,

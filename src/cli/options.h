@@ -30,10 +30,11 @@ struct rb_bench_arguments {
     const char *classes; // of rays, to record
     int bounce;          // to replay
     bool list;
+    const char *mode;    // time, count, simulate
     const char *measure; // what: a list
     bool count;
     const char *heatmap, *picture; // of it
-    const char *l1, *ll; // of a simulation, as the next one
+    const char *l1, *ll;           // of a simulation, as the next one
     int simulate_tiles, simulate_sample;
 };
 

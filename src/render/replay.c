@@ -1,6 +1,7 @@
 #include "render/replay.h"
 
 #include "base/fpenv.h"
+#include "measure/simulate.h"
 #include "render/frame.h"
 #include "render/inside.h"
 
@@ -230,24 +231,38 @@ static void drop_shadows(struct rb_worker *worker, int bounce, void *user)
 
 void rb_worker_replay(struct rb_worker *worker)
 {
-    struct call call = {.replay = worker->frame->replay, .flush = drop_shadows};
+    struct call call = {.replay = worker->frame->how.replay, .flush = drop_shadows};
     fenv_t saved;
     rb_fpenv_enter(&saved);
     rb_probe_start(&worker->recorder);
-    for (uint32_t round = 0; round < call.replay->rounds; round++)
+    for (uint32_t round = 0; round < call.replay->rounds; round++) {
+        if (round && round == worker->frame->how.simulate_from)
+            rb_simulate_begin();
         for (call.index = 0; call.index < call.replay->count; call.index++)
             run_call(worker, &call);
+    }
+    if (worker->frame->how.simulate_from)
+        rb_simulate_stop();
     rb_fpenv_leave(&saved);
 }
 
+size_t rb_replay_group_end(const struct rb_replay *replay, size_t first)
+{
+    size_t end = first + 1;
+    while (replay->kernel == RB_STAGE_SHADE && end < replay->count &&
+           replay->batches[end].kind == RB_BATCH_SHADOWS)
+        end++;
+    return end;
+}
+
 enum rb_status rb_replay_verify(struct rb_renderer *renderer, const struct rb_replay *replay,
-                                struct rb_error *error)
+                                size_t first, size_t end, struct rb_error *error)
 {
     struct rb_worker *worker = &renderer->workers[0];
-    struct call call = {.replay = replay, .flush = compare_flushed, .error = error};
+    struct call call = {.replay = replay, .index = first, .flush = compare_flushed, .error = error};
     fenv_t saved;
     rb_fpenv_enter(&saved);
-    for (; call.index < replay->count && !call.differs; call.index++) {
+    for (; call.index < end && !call.differs; call.index++) {
         run_call(worker, &call);
         kernels[replay->kernel].compare(worker, &call);
     }

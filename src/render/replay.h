@@ -23,11 +23,15 @@ struct rb_replay {
 enum rb_status rb_replay_check(const struct rb_renderer *renderer, const struct rb_replay *replay,
                                struct rb_error *error);
 
-// Runs the kernel once over all batches and compares what it gives with what was recorded, bit for
-// bit: rays of generate, hits of trace, shadow rays of shade, answers of trace_shadow. RB_INVALID
-// with the first difference. The secondary rays that shade makes are not compared.
+// Runs the kernel once over the batches [first, end) and compares what it gives with what was
+// recorded, bit for bit: rays of generate, hits of trace, shadow rays of shade, answers of
+// trace_shadow. RB_INVALID with the first difference. The secondary rays that shade makes are not
+// compared.
 enum rb_status rb_replay_verify(struct rb_renderer *renderer, const struct rb_replay *replay,
-                                struct rb_error *error);
+                                size_t first, size_t end, struct rb_error *error);
+
+// The end of what belongs to batch `first`: for shade, its shadow rays come after it.
+size_t rb_replay_group_end(const struct rb_replay *replay, size_t first);
 
 // The two kernels that answer rays, on arrays of the caller's.
 void rb_renderer_trace(const struct rb_renderer *renderer, const struct rb_rays *rays,

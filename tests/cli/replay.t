@@ -68,6 +68,25 @@ done
     check 'an unknown row' complains 2 "no variant 'fast'" replay "$rays" --variant fast
     check 'nothing to replay' complains 2 'none: cannot open' replay "$tmp/none"
 
+    check 'what kernels do is counted' exits 0 replay "$rays" --variant bvh --mode count
+    cp "$tmp/out" "$tmp/counts"
+    check 'for all of them' [ "$(grep -cE '^  image .* steps [0-9.]+' "$tmp/counts")" = \
+        $((1 + 2 * bounces + shadows)) ]
+    check 'and again' exits 0 replay "$rays" --variant bvh --mode count
+    check 'with the same counts' cmp -s "$tmp/out" "$tmp/counts"
+    check 'an unknown mode' complains 2 'there are time, count, simulate' replay "$rays" --mode perf
+    simulate='--variant bvh --bounce 1 --mode simulate --l1 32K,8 --ll 1M,16'
+    if "$raybench" simulate balls2 --size 16x16 --variant bvh >/dev/null 2>&1; then
+        check 'kernels are simulated' exits 0 replay "$rays" $simulate
+        cp "$tmp/out" "$tmp/simulated"
+        check 'with instructions for each' [ 3 = \
+            "$(grep -cE '^  (trace|shade|trace_shadow) +1 +[0-9]+ +[0-9.]+ ' "$tmp/simulated")" ]
+        check 'twice' exits 0 replay "$rays" $simulate
+        check 'the same' cmp -s "$tmp/out" "$tmp/simulated"
+    else
+        check 'kernels are simulated # SKIP valgrind cannot run here (make setup)' true
+    fi
+
     # Soft shadows and anti-aliasing make many batches, a small tile makes them small.
     check 'a rich image' exits 0 record mount_low --size 24x16 --aa 2 --light-samples 4 \
         --light-size 9 --seed 3 --tile 16 --depth 3 -o "$rays" --quiet

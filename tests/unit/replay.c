@@ -60,12 +60,18 @@ static void close_player(struct player *player)
     rb_record_free(&player->record);
 }
 
+static enum rb_status verify(struct player *player)
+{
+    return rb_replay_verify(player->renderer, &player->replay, 0, player->replay.count,
+                            &player->error);
+}
+
 static bool agrees(const char *row, enum rb_ray_class ray_class, enum rb_stage kernel)
 {
     struct player player;
     bool same = open_player(&player, row, ray_class, kernel, -1) && player.replay.count &&
                 rb_replay_check(player.renderer, &player.replay, &player.error) == RB_OK &&
-                rb_replay_verify(player.renderer, &player.replay, &player.error) == RB_OK;
+                verify(&player) == RB_OK;
     if (!same)
         note("%s, %s, %s: %zu batches, %s", row, rb_ray_class_names[ray_class],
              rb_stage_names[kernel], player.replay.count, player.error.text);
@@ -115,6 +121,27 @@ static void check_laps(void)
     }
 }
 
+// A kernel alone counts what it counts in a frame.
+static void check_kernel_counts(const char *row)
+{
+    static struct rb_count_table frame, alone;
+    bool same = true, any = true;
+    for (int kernel = 0; kernel < RB_KERNEL_COUNT; kernel++) {
+        struct player player;
+        struct rb_run_result result;
+        open_player(&player, row, RB_CLASS_IMAGE, (enum rb_stage)kernel, -1);
+        const struct rb_run_options in_place = {.counts = &frame};
+        const struct rb_run_options how = {.replay = &player.replay, .counts = &alone};
+        frame = alone = (struct rb_count_table){0};
+        rb_renderer_run(player.renderer, &in_place, &result);
+        rb_renderer_run(player.renderer, &how, &result);
+        same = same && memcmp(frame.at[kernel], alone.at[kernel], sizeof alone.at[kernel]) == 0;
+        any = any && alone.at[kernel][0].of[RB_COUNT_STEPS] > 0;
+        close_player(&player);
+    }
+    ok(same && any, "%s: every kernel counts what it does in a frame", row);
+}
+
 // Changes an element of an array of a batch and expects to be told about it.
 static void check_change(enum rb_stage kernel, struct player *player, struct rb_members members,
                          const char *member, uint32_t ray)
@@ -126,7 +153,7 @@ static void check_change(enum rb_stage kernel, struct player *player, struct rb_
         char expected[64];
         snprintf(expected, sizeof expected, "ray %u: %s is not as recorded", ray, member);
         *byte = (char)(*byte ^ 1);
-        enum rb_status status = rb_replay_verify(player->renderer, &player->replay, &player->error);
+        enum rb_status status = verify(player);
         ok(status == RB_INVALID && strstr(player->error.text, expected), "%s: %s",
            rb_stage_names[kernel], player->error.text);
         *byte = (char)(*byte ^ 1);
@@ -170,17 +197,14 @@ static void check_counts(void)
     ok(batches[0].kind == RB_BATCH_RAYS && batches[1].kind == RB_BATCH_SHADOWS,
        "shadow rays follow the rays");
     batches[1].shadows.count--;
-    ok(rb_replay_verify(player.renderer, &player.replay, &player.error) == RB_INVALID,
-       "one less: %s", player.error.text);
+    ok(verify(&player) == RB_INVALID, "one less: %s", player.error.text);
     batches[1].shadows.count++;
     player.replay.count = 1;
-    ok(rb_replay_verify(player.renderer, &player.replay, &player.error) == RB_INVALID, "none: %s",
-       player.error.text);
+    ok(verify(&player) == RB_INVALID, "none: %s", player.error.text);
     struct rb_batch more[3] = {batches[0], batches[1], batches[1]};
     player.replay.batches = more;
     player.replay.count = 3;
-    ok(rb_replay_verify(player.renderer, &player.replay, &player.error) == RB_INVALID, "twice: %s",
-       player.error.text);
+    ok(verify(&player) == RB_INVALID, "twice: %s", player.error.text);
     player.replay.batches = batches + 1;
     ok(rb_replay_check(player.renderer, &player.replay, &player.error) == RB_INVALID,
        "without rays: %s", player.error.text);
@@ -217,7 +241,7 @@ static void check_nonsense(enum rb_stage kernel, const char *row)
             refused++;
         } else {
             run++;
-            rb_replay_verify(player.renderer, &player.replay, &player.error);
+            verify(&player);
             rb_renderer_run(player.renderer, &how, &result);
         }
         *byte = old;
@@ -291,6 +315,8 @@ int main(void)
         ok(record(names[i], plain), "%s", names[i]);
         check_rows(names[i]);
         check_laps();
+        check_kernel_counts("bvh");
+        check_kernel_counts(serial);
         check_classes();
         check_differences();
         check_counts();
