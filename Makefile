@@ -66,7 +66,7 @@ PLANS    := $(sort $(wildcard bench/plans/*.plan))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench table simulate selftest overhead test unit exact check fuzz setup install clean help force
+.PHONY: all bench explain table simulate selftest overhead test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -74,6 +74,10 @@ all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
 ## bench: naive, bvh, packets on the six scenes, two minutes (PLAN=table: another plan)
 bench: all
 	$(B)/raybench bench $(PLAN)
+
+## explain: why kernels cost what they cost: time, counts, simulation (SCENE=balls_high)
+explain: all
+	$(B)/raybench explain $(or $(SCENE),balls_high) $(if $(VARIANT),--variants $(VARIANT))
 
 ## table: the render times of Table 1, about 15 minutes (CHECK=1: are the committed files stale?)
 table: all

@@ -8,6 +8,7 @@
 #include "bench/replay/source.h"
 #include "bench/run/process.h"
 #include "bench/run/reference.h"
+#include "bench/run/simulate_cell.h"
 #include "cli/commands.h"
 #include "measure/affinity.h"
 
@@ -289,6 +290,8 @@ static int measure(struct rb_replay_run *run, const struct rb_arguments *argumen
     struct rb_error error = {0};
     struct rb_scene scene;
     mode_fn *mode = find_mode(arguments->bench.mode);
+    if (mode == rb_replay_simulate)
+        rb_simulate_mask();
     const struct rb_variant *variant = mode ? rb_replay_variant(arguments) : NULL;
     if (!variant)
         return RB_INVALID;

@@ -1,6 +1,5 @@
 #include "bench/replay/source.h"
 
-#include "bench/run/simulate_cell.h"
 #include "cli/commands.h"
 
 #include <inttypes.h>
@@ -24,12 +23,10 @@ const struct rb_option rb_options_choice[] = {
 const struct rb_variant *rb_replay_variant(const struct rb_arguments *arguments)
 {
     const struct rb_variant *fastest = NULL;
-    bool simulated = arguments->bench.mode && strcmp(arguments->bench.mode, "simulate") == 0;
     if (arguments->variant)
         return rb_open_variant(arguments);
     for (const struct rb_variant *row = rb_variants; row->name; row++)
-        if (!row->best_of && !rb_variant_parallel(row) && rb_variant_available(row) &&
-            !(simulated && rb_simulate_refusal(row)))
+        if (!row->best_of && !rb_variant_parallel(row) && rb_variant_available(row))
             fastest = row;
     return fastest;
 }

@@ -104,14 +104,23 @@ static enum rb_status count_cell(struct rb_run *run, struct rb_cell *cell, struc
     return RB_OK;
 }
 
+// A row that cannot be simulated is left out; that is no failure.
 static void simulate_cell(struct rb_run *run, struct rb_cell *cell)
 {
     struct rb_error problem = {0};
+    enum rb_status status = RB_OK;
     uint32_t tiles = (uint32_t)run->plan->arguments.bench.simulate_tiles;
-    show_progress(run, cell, "simulating");
-    if (rb_simulate_cell(cell, run->sides[0].program, tiles, &run->caches, &problem) &&
-        !rb_process_interrupted())
-        tell(cell, "simulated", &problem);
+    if (rb_simulate_refusal(cell->variant)) {
+        rb_error_set(&problem, RB_INVALID, "%s", rb_simulate_refusal(cell->variant));
+    } else {
+        show_progress(run, cell, "simulating");
+        status = rb_simulate_cell(cell, run->sides[0].program, tiles, &run->caches, &problem);
+    }
+    if (!problem.text[0] || rb_process_interrupted())
+        return;
+    run->mismatch |= status == RB_INVALID;
+    run->crashed |= status == RB_FAILED;
+    tell(cell, "simulated", &problem);
 }
 
 enum rb_status rb_evidence_gather(struct rb_run *run, struct rb_error *error)
@@ -122,7 +131,7 @@ enum rb_status rb_evidence_gather(struct rb_run *run, struct rb_error *error)
         if (cell->state == RB_CELL_OPEN && run->measure & RB_MEASURE_COUNT &&
             !rb_process_interrupted())
             status = count_cell(run, cell, error);
-        if (cell->state == RB_CELL_OPEN && run->measure & RB_MEASURE_SIMULATE &&
+        if (cell->state != RB_CELL_INVALID && run->measure & RB_MEASURE_SIMULATE &&
             !rb_process_interrupted())
             simulate_cell(run, cell);
     }

@@ -29,9 +29,10 @@ struct rb_run {
     char session[64];   // names the run in both of its folders
     struct rb_side sides[2];
     int side_count;
-    int unit_count;          // cells of a side
-    unsigned measure;        // bits of rb_measure
-    struct rb_caches caches; // to simulate
+    int unit_count;                   // cells of a side
+    const struct rb_arguments *given; // what the user said
+    unsigned measure;                 // bits of rb_measure
+    struct rb_caches caches;          // to simulate
     double probe_ns, budget_s;
     time_t started;
     uint64_t start_ns;

@@ -274,7 +274,7 @@ static enum rb_status make_plan(struct rb_run *run, const char *defaults,
 int rb_session_run(const struct rb_session_kind *kind, const struct rb_arguments *arguments)
 {
     static struct rb_plan plan;
-    struct rb_run run = {.plan = &plan, .quiet = arguments->quiet};
+    struct rb_run run = {.plan = &plan, .given = arguments, .quiet = arguments->quiet};
     struct rb_error error = {0};
     run.parent = arguments->output ? arguments->output : "results";
     // A caller who closed standard output wants the files alone.

@@ -1,3 +1,4 @@
+#define _POSIX_C_SOURCE 200809L
 #include "bench/run/simulate_cell.h"
 
 #include "base/memory.h"
@@ -6,6 +7,8 @@
 #include "bench/run/tiles.h"
 #include "bench/simulate/simulate.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 // Instructions of naive for a ray against a primitive, and of the others for a ray with its share
@@ -18,7 +21,16 @@ const char *rb_simulate_refusal(const struct rb_variant *variant)
         return "the simulator runs one thread: take the row without +omp";
     if (strstr(variant->needs, "avx512f"))
         return "valgrind has no AVX-512: take packet-avx2";
-    return NULL;
+    return rb_variant_available(variant) ? NULL : "this machine or build lacks what it needs";
+}
+
+void rb_simulate_mask(void)
+{
+    const char *disabled = getenv("RAYBENCH_CPU_DISABLE");
+    char list[256];
+    snprintf(list, sizeof list, "%.200s%savx512f", disabled ? disabled : "",
+             disabled && *disabled ? "," : "");
+    setenv("RAYBENCH_CPU_DISABLE", list, 1);
 }
 
 // Naive takes so long that only small tiles leave a choice.
@@ -44,10 +56,30 @@ static uint32_t choose_tiles(const struct rb_cell *cell, uint32_t all)
     return affordable < 1 ? 1 : affordable < all ? (uint32_t)affordable : all;
 }
 
+// Of several native runs, the least time of each place.
 static bool keep_sample(void *user, const struct rb_sample *sample)
 {
-    *(struct rb_sample *)user = *sample;
+    struct rb_sample *least = user;
+    struct rb_sample before = *least;
+    *least = *sample;
+    for (int stage = 0; stage < RB_STAGE_COUNT; stage++)
+        for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
+            if (sample->repetition > 0 &&
+                before.stage[stage][bounce].ns < sample->stage[stage][bounce].ns)
+                least->stage[stage][bounce].ns = before.stage[stage][bounce].ns;
     return true;
+}
+
+static void add_native(struct rb_simulated *simulated, const struct rb_sample *native)
+{
+    simulated->tree_bytes = native->tree_bytes;
+    for (int stage = 0; stage < RB_STAGE_COUNT; stage++)
+        for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++) {
+            const struct rb_sample_stage *place = &native->stage[stage][bounce];
+            if (place->rays && place->ns)
+                simulated->place[stage][bounce].native_ns_per_ray =
+                    (double)place->ns / (double)place->rays;
+        }
 }
 
 // The native run went over the tiles twice.
@@ -77,7 +109,7 @@ static enum rb_status run_both(const struct rb_worker_words *words, const struct
         status = rb_simulate_run(pointers, caches, simulated, error);
     if (status)
         return status;
-    simulated->tree_bytes = native.tree_bytes;
+    add_native(simulated, &native);
     return agrees(simulated, &native)
                ? RB_OK
                : rb_error_set(error, RB_INVALID,
@@ -90,8 +122,6 @@ enum rb_status rb_simulate_cell(struct rb_cell *cell, const char *program, uint3
 {
     struct rb_worker_words words = {.count = 0};
     struct rb_settings settings = cell->settings;
-    if (rb_simulate_refusal(cell->variant))
-        return rb_error_set(error, RB_INVALID, "%s", rb_simulate_refusal(cell->variant));
     struct rb_simulated *simulated = rb_alloc(1, sizeof *simulated);
     if (!simulated)
         return rb_error_memory(error, "the simulation");

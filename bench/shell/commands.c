@@ -1,13 +1,15 @@
 #include "bench/shell/commands.h"
 
 #include "bench/compare/compare.h"
+#include "bench/explain/count.h"
+#include "bench/explain/explain.h"
+#include "bench/explain/simulate_command.h"
 #include "bench/export/export.h"
 #include "bench/machine/doctor.h"
 #include "bench/replay/record.h"
 #include "bench/replay/replay.h"
 #include "bench/replay/replay_worker.h"
 #include "bench/run/bench.h"
-#include "bench/run/simulate_command.h"
 #include "bench/run/worker.h"
 #include "bench/shell/completions.h"
 #include "bench/shell/man.h"
@@ -26,6 +28,8 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_list,
     &rb_command_bench,
     &rb_command_simulate,
+    &rb_command_count,
+    &rb_command_explain,
     &rb_command_compare,
     &rb_command_export,
     &rb_command_table,

@@ -44,6 +44,7 @@ extern const char *const rb_sim_event_names[RB_SIM_EVENT_COUNT];
 struct rb_simulated_place {
     uint64_t rays, laps;
     uint64_t events[RB_SIM_EVENT_COUNT];
+    double native_ns_per_ray; // of the same tiles on the machine itself; 0: not known
 };
 
 struct rb_simulated {

@@ -30,6 +30,14 @@ void rb_counts_add(struct rb_counts *to, const struct rb_counts *from)
     to->stack_max = to->stack_max > from->stack_max ? to->stack_max : from->stack_max;
 }
 
+bool rb_counter_is_of_rays(enum rb_counter counter)
+{
+    const uint32_t of_steps = 1u << RB_COUNT_STEPS | 1u << RB_COUNT_LANES_ACTIVE |
+                              1u << RB_COUNT_LANES_POSSIBLE | 1u << RB_COUNT_TREE_BYTES |
+                              1u << RB_COUNT_PRIMITIVE_BYTES;
+    return !(of_steps >> counter & 1);
+}
+
 double rb_counts_lane_use_pct(const struct rb_counts *counts)
 {
     double active = (double)counts->of[RB_COUNT_LANES_ACTIVE];

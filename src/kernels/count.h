@@ -8,6 +8,7 @@
 #ifndef RB_KERNELS_COUNT_H
 #define RB_KERNELS_COUNT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 // "Rays" below are rays that take part: the lanes of a packet that are active. A packet that visits
@@ -50,6 +51,7 @@ extern _Thread_local struct rb_counting rb_counting;
 
 // Adds what the calling thread has counted since the last call to `to`.
 void rb_counts_take(struct rb_counts *to);
+bool rb_counter_is_of_rays(enum rb_counter counter);           // or of steps, which rays share
 double rb_counts_lane_use_pct(const struct rb_counts *counts); // NaN if there were no steps
 void rb_counts_add(struct rb_counts *to, const struct rb_counts *from);
 

@@ -70,7 +70,7 @@ done
 
     check 'what kernels do is counted' exits 0 replay "$rays" --variant bvh --mode count
     cp "$tmp/out" "$tmp/counts"
-    check 'for all of them' [ "$(grep -cE '^  image .* steps [0-9.]+' "$tmp/counts")" = \
+    check 'for all of them' [ "$(grep -cE '^  (generate|trace|shade|trace_shadow) ' "$tmp/counts")" = \
         $((1 + 2 * bounces + shadows)) ]
     check 'and again' exits 0 replay "$rays" --variant bvh --mode count
     check 'with the same counts' cmp -s "$tmp/out" "$tmp/counts"

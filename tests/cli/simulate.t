@@ -3,7 +3,7 @@
 # shellcheck disable=SC2016,SC2086 # awk programs; $small is words
 . "$(dirname "$0")/tap.sh"
 
-small='--size 32x32 --quiet'
+small="--size 32x32 --quiet --out $tmp/results"
 PATH=/nonexistent "$raybench" simulate balls_low >"$tmp/out" 2>"$tmp/err"
 check 'without valgrind there is nothing' [ $? = 1 ]
 check 'it says what to install' grep -q 'make setup' "$tmp/err"
@@ -13,7 +13,7 @@ check 'a scene is needed' complains 2 'missing argument' simulate
 why=
 command -v valgrind >/dev/null || why='valgrind is not installed'
 grep -qE '__(asan|tsan)_init' "$raybench" && why='valgrind cannot run a sanitizer'
-"$raybench" simulate balls_low --size 16x16 --variant bvh --quiet 2>&1 |
+"$raybench" simulate balls_low --size 16x16 --variant bvh --quiet --out "$tmp/results" 2>&1 |
     grep -q 'without valgrind.s headers' && why='built without valgrind (VALGRIND=0)'
 if [ -n "$why" ]; then
     echo "# skipped: $why"
@@ -46,7 +46,17 @@ check 'packets take fewer instructions' [ "$(awk '
 program=$(readlink -f "$raybench")
 (cd / && LANG=de_DE.UTF-8 VALGRIND_OPTS=--nonsense HOME=$tmp ANOTHER=variable "$program" \
     simulate balls_low $small --variants bvh,packet >"$tmp/second" 2>"$tmp/err")
+sed -i '/^Results are in/d' "$tmp/first" "$tmp/second"
 check 'two runs give identical counts' cmp "$tmp/first" "$tmp/second"
+csv=$tmp/results/latest/kernels.csv
+column() { head -1 "$csv" | tr -d '\r' | tr , '\n' | grep -nx "$1" | cut -d: -f1; }
+check 'they are in kernels.csv, with their source' [ "$(awk -F, \
+    -v ir="$(column instructions_per_ray)" -v stall="$(column compute_stall_pct)" \
+    -v rays="$(column simulated_rays)" -v source="$(column counter_source)" \
+    -v model="$(column category_source)" '
+    $8 == "bvh" && $10 == "trace" && $11 == 0 {
+        print ($ir > 0), $stall, $source, $model, $rays
+    }' "$csv")" = '1  sim model:callgrind 1024' ]
 
 # Caches.
 misses() { awk '$1 == "trace" && $2 == 0 { print int(1000 * $'"$1"') }' "$tmp/out"; }
@@ -56,24 +66,26 @@ small_tree=$(misses 6)
 check 'a large L1' exits 0 simulate balls4 $small --variant bvh --l1 1M,16 --ll 64M,16
 check 'has fewer misses' [ "$(misses 5)" -lt "$tiny" ]
 check 'and so has a large last level' [ "$(misses 6)" -lt "$small_tree" ]
-check 'sets are rounded to a power of two' exits 0 simulate balls_low --size 16x16 --quiet \
-    --variant bvh --ll 3M,16
+check 'sets are rounded to a power of two' exits 0 simulate balls_low $small --variant bvh \
+    --ll 3M,16
 check 'which it says' grep -q 'LL 3 MiB 24-way (made a power of two of sets)' "$tmp/out"
 check 'misses grow with the tree' exits 0 simulate balls2 balls4 $small --variant bvh --l1 4K,4 \
     --ll 64K,16
 check 'as the last table shows' [ "$(awk '
     /^  balls[24] +bvh/ { if (++n == 1) { l1 = $5; ll = $6 } else print ($5 > l1 && $6 > ll) }' \
     "$tmp/out")" = 1 ]
-check 'what is no cache' complains 2 '--ll 32K: expected SIZE,WAYS' simulate balls_low --ll 32K
-check 'nor this' complains 2 '--l1 32K,8,48: expected SIZE,WAYS' simulate balls_low --l1 32K,8,48
+check 'what is no cache' complains 2 '--ll 32K: expected SIZE,WAYS' \
+    simulate balls_low $small --ll 32K
+check 'nor this' complains 2 '--l1 32K,8,48: expected SIZE,WAYS' \
+    simulate balls_low $small --l1 32K,8,48
 
 # Rows that cannot be simulated.
-check 'AVX-512' complains 2 'packet-avx512 is not simulated.*take packet-avx2' \
+check 'AVX-512' complains 2 'packet-avx512 is not simulated: .*take packet-avx2' \
     simulate balls_low $small --variant packet-avx512
 check 'threads' complains 2 'bvh.omp is not simulated.*without .omp' \
     simulate balls_low $small --variant bvh+omp
 check 'are left out among others' exits 0 simulate balls_low $small --variants bvh,bvh+omp
-check 'an unknown row' complains 2 'no variant matches' simulate balls_low --variant nix
+check 'an unknown row' complains 2 'no variant matches' simulate balls_low $small --variant nix
 
 # Nothing is left behind, whatever happens.
 mkdir "$tmp/folder"
@@ -81,7 +93,8 @@ check 'naive, too' env TMPDIR="$tmp/folder" "$raybench" simulate balls_low $smal
     >"$tmp/out"
 check 'on tiles of its own size' grep -q 'tiles of 16 x 16' "$tmp/out"
 check 'no temporary file' [ -z "$(ls -A "$tmp/folder")" ]
-TMPDIR="$tmp/folder" "$raybench" simulate balls4 --variant bvh --quiet >"$tmp/out" 2>"$tmp/err" &
+TMPDIR="$tmp/folder" "$raybench" simulate balls4 --variant bvh --quiet --out "$tmp/results" \
+    >"$tmp/out" 2>"$tmp/err" &
 pid=$!
 i=0
 until [ -n "$(ls -A "$tmp/folder")" ] || [ $i = 100 ]; do
@@ -92,6 +105,7 @@ kill -INT $pid
 wait $pid
 check 'SIGINT ends it' [ $? = 130 ]
 check 'and leaves nothing' [ -z "$(ls -A "$tmp/folder")" ]
-check 'a folder that is not there' sh -c 'TMPDIR=$2/none "$1" simulate balls_low --quiet 2>"$2/err"
-    [ $? = 1 ] && grep -q "cannot make a temporary folder" "$2/err"' - "$raybench" "$tmp"
+TMPDIR=$tmp/none "$raybench" simulate balls_low $small >"$tmp/out" 2>"$tmp/err"
+check 'without room for temporary files there are no numbers' [ $? = 1 ]
+check 'and it says why' grep -q 'cannot make a temporary folder' "$tmp/err"
 finish

@@ -1,10 +1,10 @@
 // What a person reads of a simulation, on standard output.
-#ifndef RB_RUN_SIMULATE_TABLE_H
-#define RB_RUN_SIMULATE_TABLE_H
+#ifndef RB_EXPLAIN_SIMULATE_TABLE_H
+#define RB_EXPLAIN_SIMULATE_TABLE_H
 
 #include "bench/run/plan.h"
 
-// The caches, once for all tables.
+// The caches and what packet means, once for all tables.
 void rb_simulate_print_caches(const struct rb_caches *caches);
 
 // What was simulated of the cell: events per ray and shares of the modelled cycles, by kernel and

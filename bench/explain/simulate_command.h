@@ -1,6 +1,6 @@
 // `raybench simulate`: events per ray by kernel and bounce, from a simulator.
-#ifndef RB_RUN_SIMULATE_COMMAND_H
-#define RB_RUN_SIMULATE_COMMAND_H
+#ifndef RB_EXPLAIN_SIMULATE_COMMAND_H
+#define RB_EXPLAIN_SIMULATE_COMMAND_H
 
 #include "cli/options.h"
 
