@@ -148,7 +148,7 @@ static void say_gain(FILE *out, const struct rb_cell *base, const struct rb_plac
     bool any = false;
     if (!isfinite(before.ns) || !isfinite(hot->ns))
         return;
-    fprintf(out, "There it is %.3g times as fast as %s, which has ", before.ns / hot->ns,
+    fprintf(out, "In this place it is %.3g times as fast as %s, which has ", before.ns / hot->ns,
             base->variant->name);
     say_factor(out, &any, before.boxes / hot->boxes, "boxes");
     say_factor(out, &any, before.steps / hot->steps, "steps");
@@ -164,7 +164,7 @@ static void say_rate(FILE *out, const struct rb_place *hot)
     if (!isfinite(rate))
         return;
     if (rb_place_rate_is_sane(rate))
-        fprintf(out, "%.3g instructions a ns there are what a processor can do.", rate);
+        fprintf(out, "%.3g instructions a ns are what a processor can do.", rate);
     else
         fprintf(out,
                 "%.3g instructions a ns are not what a processor does: do not trust this row's "

@@ -7,12 +7,12 @@
 // Why the row cannot be simulated, and which one to take instead; NULL if it can.
 const char *rb_simulate_refusal(const struct rb_variant *variant);
 
-// Rays that the simulator gets through in about five seconds with the row of the cell.
-double rb_simulate_affordable_rays(const struct rb_cell *cell);
-
 // From here on, in this process and its workers, rows that stand for others and the machine's own
 // choices do without what valgrind lacks.
 void rb_simulate_mask(void);
+
+// Rays that the simulator gets through in about five seconds with the row of the cell.
+double rb_simulate_affordable_rays(const struct rb_cell *cell);
 
 // Simulates runs of tiles of the cell, whose row must be one that can be, with `program`, after one
 // warm pass over them, and gives the result to the cell. So many tiles, or as many as take about

@@ -34,7 +34,7 @@ struct rb_bench_arguments {
     const char *measure; // what: a list
     bool count;
     const char *heatmap, *picture; // of it
-    const char *l1, *ll; // of a simulation, as the next one
+    const char *l1, *ll;           // of a simulation, as the next one
     int simulate_tiles;
 };
 

@@ -22,19 +22,7 @@ struct rb_frame {
     int tiles_x, tiles_y;
 
     // Of the running render:
-    const uint32_t *tiles; // indices of the tiles to render, or NULL for all
-    uint32_t tile_count;
-    bool hash_hits;
-    const struct rb_observer *observer; // may be NULL
-    const struct rb_replay *replay;     // instead of tiles; may be NULL
-    enum rb_stage slow_stage;
-    double slow_share;
-    uint32_t simulate_from; // index into `tiles`; 0: never
-    bool count;
-    uint32_t heat_of;
-    uint64_t *heat, *tile_ticks;
-    void (*progress)(void *user, uint32_t done, uint32_t total);
-    void *user;
+    struct rb_run_options how; // its tile_count is that of the frame if there are no `tiles`
     atomic_uint next_tile, tiles_done;
     int thread_count; // that took part
 };
@@ -68,7 +56,7 @@ struct rb_children rb_worker_shade(struct rb_worker *worker, int bounce, const s
 // Renders tiles until none is left; called once by every worker, in its own thread.
 void rb_worker_run(struct rb_worker *worker);
 
-// Goes through frame->replay.
+// Goes through frame->how.replay.
 void rb_worker_replay(struct rb_worker *worker);
 
 #endif

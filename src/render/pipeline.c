@@ -15,8 +15,8 @@
 static void heat(struct rb_worker *worker, const uint32_t *pixel, uint32_t count)
 {
     uint32_t *cost = worker->queues.cost;
-    for (uint32_t i = 0; i < count && worker->frame->heat; i++) {
-        worker->frame->heat[pixel[i]] += cost[i];
+    for (uint32_t i = 0; i < count && worker->frame->how.heat; i++) {
+        worker->frame->how.heat[pixel[i]] += cost[i];
         cost[i] = 0;
     }
 }
@@ -25,12 +25,12 @@ static void heat(struct rb_worker *worker, const uint32_t *pixel, uint32_t count
 void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint64_t rays)
 {
     const struct rb_frame *frame = worker->frame;
-    if (frame->slow_share > 0 && stage == frame->slow_stage)
-        rb_probe_spin(&worker->recorder, frame->slow_share);
+    if (frame->how.slow_share > 0 && stage == frame->how.slow_stage)
+        rb_probe_spin(&worker->recorder, frame->how.slow_share);
     rb_probe_lap(&worker->recorder, stage, bounce, rays);
-    if (frame->simulate_from)
+    if (frame->how.simulate_from)
         rb_simulate_lap(stage, bounce, rays);
-    if (frame->count)
+    if (frame->how.counts)
         rb_counts_take(&worker->counts.at[stage][bounce]);
 }
 
@@ -61,8 +61,8 @@ static void trace_shadows(struct rb_worker *worker, int bounce, void *user)
     frame->kernels->trace_shadow(&frame->world, shadows);
     rb_worker_lap(worker, RB_STAGE_TRACE_SHADOW, bounce, shadows->count);
     heat(worker, shadows->pixel, shadows->count);
-    if (frame->observer) {
-        frame->observer->shadowed(frame->observer->user, &worker->span, bounce, shadows);
+    if (frame->how.observer) {
+        frame->how.observer->shadowed(frame->how.observer->user, &worker->span, bounce, shadows);
         rb_probe_start(&worker->recorder);
     }
     resolve_shadows(&frame->film, shadows);
@@ -130,11 +130,12 @@ static void trace_batch(struct rb_worker *worker, int bounce, uint32_t first, ui
     frame->kernels->trace(&frame->world, &rays, &queues->hits);
     rb_worker_lap(worker, RB_STAGE_TRACE, bounce, count);
     heat(worker, rays.pixel, count);
-    if (frame->hash_hits)
+    if (frame->how.hash_hits)
         worker->hits_hash += hash_hits(&rays, &queues->hits, worker->span.sample);
-    if (frame->observer)
-        frame->observer->traced(frame->observer->user, &worker->span, bounce, &rays, &queues->hits);
-    if (frame->hash_hits || frame->observer)
+    if (frame->how.observer)
+        frame->how.observer->traced(frame->how.observer->user, &worker->span, bounce, &rays,
+                                    &queues->hits);
+    if (frame->how.hash_hits || frame->how.observer)
         rb_probe_start(&worker->recorder); // neither is a part of a frame
 
     struct rb_children children =
@@ -193,7 +194,7 @@ static void render_tile(struct rb_worker *worker, uint32_t tile)
 // Hashing would be booked on the stage that follows, and push its data out of the L1 cache.
 static void begin_simulation(struct rb_worker *worker)
 {
-    worker->frame->hash_hits = false;
+    worker->frame->how.hash_hits = false;
     rb_simulate_begin();
 }
 
@@ -202,27 +203,27 @@ void rb_worker_run(struct rb_worker *worker)
     struct rb_frame *frame = worker->frame;
     fenv_t saved;
     rb_fpenv_enter(&saved);
-    rb_counting.cost = frame->heat ? worker->queues.cost : NULL;
-    rb_counting.chosen = frame->heat_of;
+    rb_counting.cost = frame->how.heat ? worker->queues.cost : NULL;
+    rb_counting.chosen = frame->how.heat_of;
     rb_probe_start(&worker->recorder);
     for (;;) {
         uint32_t next = atomic_fetch_add(&frame->next_tile, 1);
-        if (next >= frame->tile_count)
+        if (next >= frame->how.tile_count)
             break;
-        if (frame->simulate_from && next == frame->simulate_from)
+        if (frame->how.simulate_from && next == frame->how.simulate_from)
             begin_simulation(worker);
-        uint32_t tile = frame->tiles ? frame->tiles[next] : next;
+        uint32_t tile = frame->how.tiles ? frame->how.tiles[next] : next;
         uint64_t start = worker->recorder.last;
         render_tile(worker, tile);
-        if (frame->tile_ticks)
-            frame->tile_ticks[tile] = worker->recorder.last - start;
+        if (frame->how.tile_ticks)
+            frame->how.tile_ticks[tile] = worker->recorder.last - start;
         uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
-        if (frame->progress && worker->reports)
-            frame->progress(frame->user, done, frame->tile_count);
+        if (frame->how.progress && worker->reports)
+            frame->how.progress(frame->how.user, done, frame->how.tile_count);
         rb_worker_lap(worker, RB_STAGE_OTHER, 0, 0);
     }
     rb_counting.cost = NULL;
-    if (frame->simulate_from)
+    if (frame->how.simulate_from)
         rb_simulate_stop();
     rb_fpenv_leave(&saved);
 }

@@ -151,21 +151,10 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     static const struct rb_run_options defaults;
     struct rb_frame *frame = &renderer->frame;
     options = options ? options : &defaults;
-    frame->tiles = options->tiles;
-    frame->tile_count = options->tiles ? options->tile_count : rb_renderer_tile_count(renderer);
-    frame->hash_hits = options->hash_hits;
-    frame->observer = options->observer;
-    frame->replay = options->replay;
-    frame->slow_stage = options->slow_stage;
-    frame->slow_share = options->slow_share;
-    frame->simulate_from = options->simulate_from;
+    frame->how = *options;
+    if (!frame->how.tiles)
+        frame->how.tile_count = rb_renderer_tile_count(renderer);
     frame->kernels = options->counts ? renderer->variant->counted : renderer->variant->kernels;
-    frame->count = options->counts != NULL;
-    frame->heat = options->heat;
-    frame->heat_of = options->heat_of;
-    frame->tile_ticks = options->tile_ticks;
-    frame->progress = options->progress;
-    frame->user = options->user;
     atomic_store(&frame->next_tile, 0);
     atomic_store(&frame->tiles_done, 0);
     int count = worker_count(renderer);
@@ -179,7 +168,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     fenv_t saved;
     rb_fpenv_enter(&saved);
     uint64_t start_ns = rb_clock_ns();
-    (frame->replay ? replay : renderer->variant->schedule)(frame, renderer->workers, count);
+    (frame->how.replay ? replay : renderer->variant->schedule)(frame, renderer->workers, count);
     *result = (struct rb_run_result){
         .wall_ns = rb_clock_ns() - start_ns,
         .thread_count = frame->thread_count,

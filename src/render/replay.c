@@ -231,17 +231,17 @@ static void drop_shadows(struct rb_worker *worker, int bounce, void *user)
 
 void rb_worker_replay(struct rb_worker *worker)
 {
-    struct call call = {.replay = worker->frame->replay, .flush = drop_shadows};
+    struct call call = {.replay = worker->frame->how.replay, .flush = drop_shadows};
     fenv_t saved;
     rb_fpenv_enter(&saved);
     rb_probe_start(&worker->recorder);
     for (uint32_t round = 0; round < call.replay->rounds; round++) {
-        if (round && round == worker->frame->simulate_from)
+        if (round && round == worker->frame->how.simulate_from)
             rb_simulate_begin();
         for (call.index = 0; call.index < call.replay->count; call.index++)
             run_call(worker, &call);
     }
-    if (worker->frame->simulate_from)
+    if (worker->frame->how.simulate_from)
         rb_simulate_stop();
     rb_fpenv_leave(&saved);
 }
