@@ -46,10 +46,10 @@ static struct range range_of(const struct builder *builder, uint32_t begin, uint
 static uint32_t partition_kinds(const struct builder *builder, struct rb_sah_item *items,
                                 uint32_t count)
 {
-    enum rb_kind kind = rb_scene_kind(builder->scene, items[0].id);
+    enum rb_kind kind = rb_scene_kind(builder->scene, rb_sah_item_id(&items[0]));
     uint32_t same = 0;
     for (uint32_t i = 0; i < count; i++) {
-        if (rb_scene_kind(builder->scene, items[i].id) == kind) {
+        if (rb_scene_kind(builder->scene, rb_sah_item_id(&items[i])) == kind) {
             struct rb_sah_item swap = items[same];
             items[same++] = items[i];
             items[i] = swap;
@@ -226,9 +226,9 @@ static void bound_step(const void *of, uint32_t chunk)
     uint32_t begin = chunk * BOUND_CHUNK, rest = job->bvh->ref_count - begin;
     uint32_t end = begin + (rest < BOUND_CHUNK ? rest : BOUND_CHUNK);
     for (uint32_t i = begin; i < end; i++) {
-        struct rb_sah_item *item = &job->builder->items[i];
-        item->id = i;
-        rb_scene_bounds(job->scene, i, item->box.low, item->box.high);
+        float low[3], high[3];
+        rb_scene_bounds(job->scene, i, low, high);
+        job->builder->items[i] = rb_sah_item_make(low, high, i);
     }
 }
 
@@ -260,7 +260,7 @@ static enum rb_status assemble(const struct job *job, int threads)
     memcpy(bvh->nodes, top->nodes, top->node_count * sizeof *bvh->nodes);
     rb_parallel_for(threads, top->open_count, place_step, job);
     for (uint32_t i = 0; i < bvh->ref_count; i++)
-        bvh->refs[i] = job->builder->items[i].id;
+        bvh->refs[i] = rb_sah_item_id(&job->builder->items[i]);
     return RB_OK;
 }
 
