@@ -98,8 +98,8 @@ check 'naive is extrapolated and marked' grep -qE \
     '^mount_high,272,naive,1,[0-9.]+,,,,0,raybench,1,[^,]*,est' "$tmp/small/table1.csv"
 [ "${TEST_SLOW:-1}" = 0 ] || check 'in the Markdown, too' grep -qE \
     '^\| naive \| [0-9.]+ \| [0-9.]+ est\. \|' "$tmp/small/table1.md"
-[ "${TEST_SLOW:-1}" = 0 ] || check 'what is short is measured' grep -qE '^balls_low,3,bvh,1(,[0-9.]+){4},1,' \
-    "$tmp/small/table1.csv"
+[ "${TEST_SLOW:-1}" = 0 ] || check 'what is short is measured' grep -qE \
+    '^balls_low,3,bvh,1(,[0-9.]+){4},1,' "$tmp/small/table1.csv"
 
 # Bad usage, and a machine that lets us down.
 check 'a part is not for report/' complains 2 'add --out DIR' table --scenes balls_low
