@@ -31,7 +31,8 @@ look() { # SOURCE
         [ "$(field 2 1),$(field 2 2),$(field 2 3),$(field 2 4)" = balls_low,3,naive,1 ]
     check "$1: the source is a column" grep -q ",$1" "$csv"
     # A sanitizer on a busy machine may take the whole budget for fewer.
-    [ "${TEST_SLOW:-1}" = 0 ] || check "$1: three runs of every row" [ "$(sed 1d "$csv" | cut -d, -f9 | sort -u)" = 3 ]
+    [ "${TEST_SLOW:-1}" = 0 ] || check "$1: three runs of every row" \
+        [ "$(sed 1d "$csv" | cut -d, -f9 | sort -u)" = 3 ]
     # shellcheck disable=SC2016 # awk's
     check "$1: min <= median <= max, and three times the mean is their sum" awk -F, '
         NR > 1 && !($7 > 0 && $7 <= $5 && $5 <= $8 &&
