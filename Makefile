@@ -48,9 +48,13 @@ say      := $(if $(findstring s,$(firstword -$(MAKEFLAGS))),@:,@echo)
 
 # Kernel files that are compiled again for wider vectors, FILE.ISA; never with FMA: exactness.
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine)),)
-WIDE     := packet.avx2 packet.avx512 wide.avx2 wide.avx512
+WIDE     := packet.avx2 packet.avx512 wide.avx2 wide.avx512 frustum.avx2 frustum.avx512
 endif
 %packet.avx2.o %packet.avx2.counted.o: ISA := -mavx2 -DRB_PACKET=rb_kernels_packet_avx2
+%frustum.avx2.o %frustum.avx2.counted.o: ISA := -mavx2 -DRB_FRUSTUM_SET=rb_kernels_frustum_avx2 \
+  -DRB_FRUSTUM_ELSE=rb_kernels_wide_avx2
+%frustum.avx512.o %frustum.avx512.counted.o: ISA := -mavx512f \
+  -DRB_FRUSTUM_SET=rb_kernels_frustum_avx512 -DRB_FRUSTUM_ELSE=rb_kernels_wide_avx2
 %wide.avx2.o %wide.avx2.counted.o: ISA := -mavx2 -DRB_WIDE_SET=rb_kernels_wide_avx2
 %wide.avx512.o %wide.avx512.counted.o: ISA := -mavx512vl -DRB_LANES=8 \
   -DRB_WIDE_SET=rb_kernels_wide_avx512
