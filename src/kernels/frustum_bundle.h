@@ -136,8 +136,8 @@ static unsigned bundle_spheres(const struct bundle *bundle, const struct rb_wide
     return bits;
 }
 
-static unsigned bundle_triangles(const struct bundle *bundle,
-                                 const struct rb_wide_triangles *block, float limit)
+static unsigned bundle_triangles(const struct bundle *bundle, const struct rb_wide_triangles *block,
+                                 float limit)
 {
     unsigned bits = 0;
     for (int lane = 0; lane < RB_WIDE; lane += BOXES) {
@@ -178,8 +178,7 @@ static inline bool bundle_meets(const struct bundle *bundle, int p, const float 
     RB_COUNT_LANE(p * RB_LANES);
     RB_COUNT_RAYS(BOXES, vi_bits(bundle->active[p]), 1);
     RB_COUNT_LANE(-p * RB_LANES);
-    return vi_any(bundle->active[p] & (range.near <= range.far) &
-                  (range.near <= bundle->limit[p]));
+    return vi_any(bundle->active[p] & (range.near <= range.far) & (range.near <= bundle->limit[p]));
 }
 
 // Of the packets in `set` those from the first to the last that need child `c`; those in between
@@ -199,6 +198,15 @@ static inline uint64_t bundle_narrow(const struct bundle *bundle, uint64_t set,
         set &= ~((uint64_t)1 << last);
     }
     return set;
+}
+
+// Packets with active lanes, one bit each.
+static inline uint64_t bundle_open(const struct bundle *bundle)
+{
+    uint64_t open = 0;
+    for (int p = 0; p < bundle->count; p++)
+        open |= (uint64_t)vi_any(bundle->active[p]) << p;
+    return open;
 }
 
 // The largest limit of an active lane.

@@ -188,6 +188,22 @@ static inline vint vi_first(uint32_t count)
     return vi_lanes() < vi_set(count < RB_LANES ? count : RB_LANES);
 }
 
+// The lanes of `bits` moved down to the first ones, in order; what follows is anything.
+#if defined(__AVX512VL__) && RB_LANES == 8
+static inline vint vi_compress(vint v, unsigned bits)
+{
+    return (vint)_mm256_maskz_compress_epi32((__mmask8)bits, (__m256i)v);
+}
+#else
+static inline vint vi_compress(vint v, unsigned bits)
+{
+    vint to = v;
+    for (int i = 0; bits; bits &= bits - 1)
+        to[i++] = v[__builtin_ctz(bits)];
+    return to;
+}
+#endif
+
 // Three-vectors, as base/vec.h.
 struct vvec {
     vfloat x, y, z;

@@ -12,35 +12,22 @@
 // Vectors per node or block.
 enum { WIDE_PARTS = RB_WIDE / RB_LANES };
 
-// A ray, and the same in all lanes.
+// A ray, the same in all lanes.
 struct wide_ray {
     struct vvec o, d, inv;
-    vint flip[3];    // sign bit of the direction on each axis
-    int backward[3]; // 1 where it is set: which of the two planes is nearer
-    vint self;
-    bool shadow;
-    struct rb_ray one;
+    int backward[3]; // 1 where the direction is negative: which of two planes is nearer
+    const struct rb_ray *one;
 };
 
-static inline struct vvec wide_splat(struct rb_vec a)
+static inline void wide_ray_make(const struct rb_ray *ray, struct wide_ray *wide)
 {
-    return (struct vvec){vf_set(a.x), vf_set(a.y), vf_set(a.z)};
-}
-
-static inline struct wide_ray wide_ray_make(const struct rb_ray *ray)
-{
-    struct wide_ray wide = {
-        .o = wide_splat(ray->o),
-        .d = wide_splat(ray->d),
-        .inv = wide_splat(ray->inv),
-        .backward = {ray->inv.x < 0.0f, ray->inv.y < 0.0f, ray->inv.z < 0.0f},
-        .self = vi_set(ray->self),
-        .shadow = ray->sides == RB_SIDES_BOTH,
-        .one = *ray,
-    };
-    for (int k = 0; k < 3; k++)
-        wide.flip[k] = vi_set(wide.backward[k] ? 0x80000000u : 0);
-    return wide;
+    wide->o = (struct vvec){vf_set(ray->o.x), vf_set(ray->o.y), vf_set(ray->o.z)};
+    wide->d = (struct vvec){vf_set(ray->d.x), vf_set(ray->d.y), vf_set(ray->d.z)};
+    wide->inv = (struct vvec){vf_set(ray->inv.x), vf_set(ray->inv.y), vf_set(ray->inv.z)};
+    wide->backward[0] = ray->inv.x < 0.0f;
+    wide->backward[1] = ray->inv.y < 0.0f;
+    wide->backward[2] = ray->inv.z < 0.0f;
+    wide->one = ray;
 }
 
 // rb_box. Rounding is monotone, so scaling the least of the far distances gives the least of the
@@ -108,9 +95,9 @@ static inline void wide_clamp(struct vvec near, struct vvec far, const struct wi
 // The side of spheres' boxes that is nearer, or with `r` negative farther.
 static inline struct vvec wide_sphere_side(struct vvec center, vfloat r, const struct wide_ray *ray)
 {
-    return (struct vvec){center.x - (vfloat)((vint)r ^ ray->flip[0]),
-                         center.y - (vfloat)((vint)r ^ ray->flip[1]),
-                         center.z - (vfloat)((vint)r ^ ray->flip[2])};
+    return (struct vvec){ray->backward[0] ? center.x + r : center.x - r,
+                         ray->backward[1] ? center.y + r : center.y - r,
+                         ray->backward[2] ? center.z + r : center.z - r};
 }
 
 static inline struct wide_hits wide_spheres(const struct rb_wide_spheres *block, int lane,
@@ -123,14 +110,13 @@ static inline struct wide_hits wide_spheres(const struct rb_wide_spheres *block,
     vfloat b = vv_dot(l, ray->d);
     struct vvec apart = vv_mad(l, -b, ray->d);
     vfloat discriminant = radius * radius - vv_dot(apart, apart);
-    struct wide_hits hits = {.found = discriminant >= 0.0f};
-    if (!vi_any(hits.found))
-        return hits;
+    struct wide_hits hits;
+    hits.found = discriminant >= 0.0f;
     hits.prim = vi_load(block->id + lane);
-    vint own = hits.prim == ray->self;
+    vint own = hits.prim == vi_set(ray->one->self);
     vfloat root = vf_sqrt(discriminant), near = b - root, far = vf_select(own, b + b, b + root);
     vint take_near = (near > 0.0f) & ~own;
-    if (ray->shadow)
+    if (ray->one->sides == RB_SIDES_BOTH)
         hits.found &= ~own;
     else
         take_near &= ~(radius < 0.0f);
@@ -168,8 +154,8 @@ static inline struct wide_hits wide_triangles(const struct rb_wide_triangles *bl
     vfloat us = (vfloat)((vint)vv_dot(s, p) ^ flip);
     vfloat vs = (vfloat)((vint)vv_dot(ray->d, q) ^ flip);
     vfloat slack = RB_EDGE_TOLERANCE * vv_reach(s) * vf_max(vv_reach(e1), vv_reach(e2));
-    struct wide_hits hits = {.found = (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) &
-                                      (area >= FLT_MIN)};
+    struct wide_hits hits;
+    hits.found = (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) & (area >= FLT_MIN);
     if (!vi_any(hits.found))
         return hits;
     vfloat inverse = 1.0f / area, zero = vf_set(0.0f), one = vf_set(1.0f);
@@ -177,7 +163,7 @@ static inline struct wide_hits wide_triangles(const struct rb_wide_triangles *bl
     hits.u = vf_min(vf_max(us * inverse, zero), one);
     hits.v = vf_min(vf_max(vs * inverse, zero), one - hits.u);
     hits.prim = vi_load(block->id + lane);
-    hits.found &= hits.prim != ray->self;
+    hits.found &= hits.prim != vi_set(ray->one->self);
     struct vvec near, far;
     wide_ends(v0.x, v1.x, v2.x, ray->backward[0], &near.x, &far.x);
     wide_ends(v0.y, v1.y, v2.y, ray->backward[1], &near.y, &far.y);
