@@ -14,14 +14,14 @@ static bool has_avx2(void)
     return __builtin_cpu_supports("avx2"); // asks the operating system as well
 }
 
+static bool has_bmi2(void)
+{
+    return __builtin_cpu_supports("bmi2");
+}
+
 static bool has_avx512f(void)
 {
     return __builtin_cpu_supports("avx512f");
-}
-
-static bool has_avx512vl(void)
-{
-    return __builtin_cpu_supports("avx512vl");
 }
 #else
 static bool has_sse2(void)
@@ -34,7 +34,7 @@ static bool has_avx512f(void)
     return false;
 }
 
-static bool has_avx512vl(void)
+static bool has_bmi2(void)
 {
     return false;
 }
@@ -59,8 +59,8 @@ static const struct feature {
     bool (*present)(void);
 } features[] = {{"sse2", has_sse2},
                 {"avx2", has_avx2},
+                {"bmi2", has_bmi2},
                 {"avx512f", has_avx512f},
-                {"avx512vl", has_avx512vl},
                 {"neon", has_neon}};
 
 enum { FEATURE_COUNT = sizeof features / sizeof *features };
@@ -96,7 +96,7 @@ enum rb_status rb_cpu_check_disabled(struct rb_error *error)
         if (!find(item, length))
             return rb_error_set(error, RB_INVALID,
                                 "RAYBENCH_CPU_DISABLE: there is no feature '%.*s' (sse2, avx2, "
-                                "avx512f, avx512vl, neon)",
+                                "bmi2, avx512f, neon)",
                                 (int)(length < 40 ? length : 40), item);
     }
     return RB_OK;

@@ -64,8 +64,10 @@ void rb_counting_depth(uint64_t depth);
 void rb_counting_end(unsigned bits);
 
 #ifdef RB_COUNTING
+#define RB_COUNTS      1
 #define RB_COUNT(what) ((void)(what))
 #else
+#define RB_COUNTS      0                            // for loops that do nothing else
 #define RB_COUNT(what) (0 ? (void)(what) : (void)0) // compiled, never run
 #endif
 

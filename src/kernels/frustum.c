@@ -34,8 +34,15 @@ const struct rb_kernels RB_TWIN(RB_FRUSTUM) = {
     .trace_shadow = trace_shadow,
 };
 
-// Axes on which rays may go both ways; rays of the smallest bundle that is tried.
-enum { MIXED_MAX = 1, BUNDLE_MIN = 64 };
+// Axes on which rays may go both ways; rays of the smallest bundle that is tried. A bundle falls
+// apart where, after TRIALS tests of a packet against a box, fewer than one lane in USEFUL needed
+// what was tested: a stream does not test what no ray needs.
+enum { MIXED_MAX = 1, BUNDLE_MIN = 64, TRIALS = 64, USEFUL = 8 };
+
+static inline bool falls_apart(const struct bundle *bundle)
+{
+    return bundle->tests >= TRIALS && bundle->useful * USEFUL < bundle->tests * RB_LANES;
+}
 
 // A child that is still to be visited.
 struct visit {
@@ -55,7 +62,7 @@ static void count_node(const struct bundle *bundle, uint64_t set)
 }
 
 // Puts the children that are needed on the stack, the nearest on top.
-static inline int push(const struct bundle *bundle, const struct rb_wide_node *node, uint64_t set,
+static inline int push(struct bundle *bundle, const struct rb_wide_node *node, uint64_t set,
                        float limit, struct visit *stack, int depth)
 {
     float enter[RB_WIDE];
@@ -104,7 +111,7 @@ static bool leaf_closest(const struct rb_world *world, struct bundle *bundle, st
     return closer;
 }
 
-static void closest(const struct rb_world *world, struct bundle *bundle, struct hits *best)
+static bool closest(const struct rb_world *world, struct bundle *bundle, struct hits *best)
 {
     const struct rb_wide *wide = world->wide;
     struct visit stack[RB_WIDE_STACK];
@@ -116,11 +123,14 @@ static void closest(const struct rb_world *world, struct bundle *bundle, struct 
         struct visit visit = stack[--depth];
         if (visit.enter > limit)
             continue;
+        if (falls_apart(bundle))
+            return false;
         if (rb_wide_kind_of(visit.child) == RB_WIDE_NODE)
             depth = push(bundle, &wide->nodes[visit.child], visit.set, limit, stack, depth);
         else if (leaf_closest(world, bundle, visit, limit, best))
             limit = bundle_limit(bundle);
     }
+    return true;
 }
 
 // Lanes that are found to be occluded cease to be active; returns the packets with others.
@@ -141,7 +151,7 @@ static uint64_t leaf_any(const struct rb_world *world, struct bundle *bundle, st
     return open;
 }
 
-static void any(const struct rb_world *world, struct bundle *bundle)
+static bool any(const struct rb_world *world, struct bundle *bundle)
 {
     const struct rb_wide *wide = world->wide;
     struct visit stack[RB_WIDE_STACK];
@@ -155,16 +165,19 @@ static void any(const struct rb_world *world, struct bundle *bundle)
         visit.set &= open;
         if (!visit.set)
             continue;
+        if (falls_apart(bundle))
+            return false;
         if (rb_wide_kind_of(visit.child) == RB_WIDE_NODE)
             depth = push(bundle, &wide->nodes[visit.child], visit.set, limit, stack, depth);
         else
             open = leaf_any(world, bundle, visit, limit, open);
     }
+    return true;
 }
 
 static void load_rays(struct bundle *bundle, const struct rb_rays *rays)
 {
-    bundle->count = 0;
+    bundle->count = 0, bundle->tests = 0, bundle->useful = 0;
     for (uint32_t i = 0; i < rays->count; i += RB_LANES) {
         int p = bundle->count++;
         struct vvec o = {vf_load(rays->ox + i), vf_load(rays->oy + i), vf_load(rays->oz + i)};
@@ -198,7 +211,8 @@ static bool trace_bundle(const struct rb_world *world, const struct rb_rays *ray
     if (bundle_bound(&bundle) > MIXED_MAX)
         return false;
     planes_closest(world, &bundle, best);
-    closest(world, &bundle, best);
+    if (!closest(world, &bundle, best))
+        return false;
     for (int p = 0; p < bundle.count; p++) {
         uint32_t i = (uint32_t)(p * RB_LANES);
         vf_store(hits->t + i, best[p].t);
@@ -255,7 +269,7 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
 
 static void load_shadows(struct bundle *bundle, const struct rb_shadows *shadows)
 {
-    bundle->count = 0;
+    bundle->count = 0, bundle->tests = 0, bundle->useful = 0;
     for (uint32_t i = 0; i < shadows->count; i += RB_LANES) {
         int p = bundle->count++;
         struct vvec o = {vf_load(shadows->ox + i), vf_load(shadows->oy + i),
@@ -287,7 +301,8 @@ static bool shadow_bundle(const struct rb_world *world, struct rb_shadows *shado
         return false;
     memcpy(wanted, bundle.active, sizeof wanted);
     planes_any(world, &bundle);
-    any(world, &bundle);
+    if (!any(world, &bundle))
+        return false;
     for (int p = 0; p < bundle.count; p++) {
         uint32_t i = (uint32_t)(p * RB_LANES);
         unsigned occluded = vi_bits(wanted[p] & ~bundle.active[p]);

@@ -15,6 +15,8 @@ struct bundle {
     vint active[PACKETS];  // lanes whose answer is wanted and not known yet
     vfloat limit[PACKETS]; // farthest distance that matters
     int count;             // of packets
+    uint32_t tests;        // of packets against boxes
+    uint32_t useful;       // lanes that needed the box in these tests
     float o_low[3], o_high[3], inv_low[3], inv_high[3];
     int backward[3];
     bool mixed[3]; // rays go both ways: nothing is culled on this axis
@@ -170,7 +172,7 @@ static inline unsigned bundle_leaf(const struct bundle *bundle, const struct rb_
 }
 
 // Does any ray of packet p need the box?
-static inline bool bundle_meets(const struct bundle *bundle, int p, const float low[3],
+static inline bool bundle_meets(struct bundle *bundle, int p, const float low[3],
                                 const float high[3])
 {
     struct interval range = box(low, high, &bundle->packet[p]);
@@ -178,12 +180,16 @@ static inline bool bundle_meets(const struct bundle *bundle, int p, const float 
     RB_COUNT_LANE(p * RB_LANES);
     RB_COUNT_RAYS(BOXES, vi_bits(bundle->active[p]), 1);
     RB_COUNT_LANE(-p * RB_LANES);
-    return vi_any(bundle->active[p] & (range.near <= range.far) & (range.near <= bundle->limit[p]));
+    unsigned bits =
+        vi_bits(bundle->active[p] & (range.near <= range.far) & (range.near <= bundle->limit[p]));
+    bundle->tests++;
+    bundle->useful += (uint32_t)__builtin_popcount(bits);
+    return bits != 0;
 }
 
 // Of the packets in `set` those from the first to the last that need child `c`; those in between
 // come along untested.
-static inline uint64_t bundle_narrow(const struct bundle *bundle, uint64_t set,
+static inline uint64_t bundle_narrow(struct bundle *bundle, uint64_t set,
                                      const struct rb_wide_node *node, int c)
 {
     float low[3], high[3];

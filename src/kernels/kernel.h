@@ -181,11 +181,9 @@ RB_KERNEL_SET(rb_kernels_packet_avx512);
 RB_KERNEL_SET(rb_kernels_packet_neon);
 RB_KERNEL_SET(rb_kernels_wide_sse2);
 RB_KERNEL_SET(rb_kernels_wide_avx2);
-RB_KERNEL_SET(rb_kernels_wide_avx512);
 RB_KERNEL_SET(rb_kernels_wide_neon);
 RB_KERNEL_SET(rb_kernels_stream_sse2);
 RB_KERNEL_SET(rb_kernels_stream_avx2);
-RB_KERNEL_SET(rb_kernels_stream_avx512);
 RB_KERNEL_SET(rb_kernels_stream_neon);
 
 // The scalar bodies that sets without a better one share (scalar.c).

@@ -189,10 +189,13 @@ static inline vint vi_first(uint32_t count)
 }
 
 // The lanes of `bits` moved down to the first ones, in order; what follows is anything.
-#if defined(__AVX512VL__) && RB_LANES == 8
+#if defined(__AVX2__) && defined(__BMI2__) && RB_LANES == 8
 static inline vint vi_compress(vint v, unsigned bits)
 {
-    return (vint)_mm256_maskz_compress_epi32((__mmask8)bits, (__m256i)v);
+    uint64_t bytes = _pdep_u64(bits, 0x0101010101010101u) * 0xff;
+    long long from = (long long)_pext_u64(0x0706050403020100u, bytes);
+    __m256i lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(from));
+    return (vint)_mm256_permutevar8x32_epi32((__m256i)v, lanes);
 }
 #else
 static inline vint vi_compress(vint v, unsigned bits)

@@ -47,6 +47,9 @@ struct stream_ray {
     uint32_t unused[2];
 };
 
+// What a shadow ray has found: nothing is closer.
+#define OCCLUDED ((struct rb_hit){.t = -1.0f, .prim = 0})
+
 // A node or leaf that is still to be visited by `count` rays.
 struct visit {
     rb_wide_child child;
@@ -60,9 +63,9 @@ struct stream {
     int backward[3];  // of the octant in work
     uint32_t deepest; // most visits that waited
     struct stream_ray ray[STREAM_MAX];
-    uint32_t pool[POOL];        // lists: indices of rays
-    uint8_t bits[STREAM_MAX];   // children that the rays of a list reach
-    uint8_t octant[STREAM_MAX]; // OCTANTS for rays that are not valid
+    uint32_t pool[POOL];         // lists: indices of rays
+    uint8_t bits[STREAM_MAX];    // children that the rays of a list reach
+    uint32_t octant[STREAM_MAX]; // OCTANTS for rays that are not valid
     struct visit stack[RB_WIDE_STACK];
 };
 
@@ -73,20 +76,57 @@ static inline struct rb_ray ray_of(const struct stream *stream, uint32_t index)
                            stream->sides};
 }
 
-// One more ray; `best` is what it has to beat.
-static inline void add(struct stream *stream, const struct rb_ray *ray, struct rb_hit best)
+// RB_LANES rays of a queue.
+struct lanes {
+    struct vvec o, d;
+    vint self, valid;
+};
+
+// The closest of `best` and the planes. Their ids ascend, so that the first of equals stays.
+static inline void meet_planes(const struct stream *stream, const struct lanes *lanes,
+                               vfloat *best_t, vint *best_prim)
 {
-    uint32_t index = stream->count++;
-    stream->ray[index] = (struct stream_ray){
-        .o = {ray->o.x, ray->o.y, ray->o.z},
-        .inv = {ray->inv.x, ray->inv.y, ray->inv.z},
-        .d = {ray->d.x, ray->d.y, ray->d.z},
-        .self = ray->self,
-        .best = best,
-    };
-    unsigned octant = (ray->inv.x < 0.0f ? 1u : 0u) | (ray->inv.y < 0.0f ? 2u : 0u) |
-                      (ray->inv.z < 0.0f ? 4u : 0u);
-    stream->octant[index] = (uint8_t)(rb_ray_valid(ray) ? octant : OCTANTS);
+    const struct rb_scene *scene = stream->world->scene;
+    for (uint32_t i = 0; i < scene->count[RB_PLANE]; i++) {
+        struct vvec n = vv_set(scene->planes[i].normal);
+        vint prim = vi_set(scene->first[RB_PLANE] + i);
+        struct rb_ray any = {.sides = stream->sides};
+        bool front = rb_sides_of(scene, &any, scene->first[RB_PLANE] + i) == RB_SIDES_FRONT;
+        vfloat facing = vv_dot(n, lanes->d);
+        vfloat t = (scene->planes[i].distance - vv_dot(n, lanes->o)) / facing;
+        vint asked = lanes->valid & (lanes->self != prim);
+        vint closer = asked & (t > 0.0f) & (t < INFINITY) & (t < *best_t);
+        if (front)
+            closer &= ~(facing > 0.0f);
+        RB_COUNT_STEP(vi_bits(asked), RB_LANES);
+        RB_COUNT_RAYS(PLANES, vi_bits(asked), 1);
+        RB_COUNT_BYTES(PRIMITIVE_BYTES, sizeof *scene->planes);
+        *best_t = vf_select(closer, t, *best_t);
+        *best_prim = vi_select(closer, prim, *best_prim);
+    }
+}
+
+// Appends rays; `best_t` and `best_prim` are what they have to beat.
+static inline void add(struct stream *stream, const struct lanes *lanes, vfloat best_t,
+                       vint best_prim)
+{
+    struct vvec inv = {wide_inverse(lanes->d.x), wide_inverse(lanes->d.y),
+                       wide_inverse(lanes->d.z)};
+    vint octant = ((inv.x < 0.0f) & 1) | ((inv.y < 0.0f) & 2) | ((inv.z < 0.0f) & 4);
+    float word[14][RB_LANES];
+    vf_store(word[0], lanes->o.x), vf_store(word[1], lanes->o.y), vf_store(word[2], lanes->o.z);
+    vf_store(word[3], inv.x), vf_store(word[4], inv.y), vf_store(word[5], inv.z);
+    vf_store(word[6], lanes->d.x), vf_store(word[7], lanes->d.y), vf_store(word[8], lanes->d.z);
+    vf_store(word[9], (vfloat)lanes->self), vf_store(word[10], best_t);
+    vf_store(word[11], vf_set(0.0f)), vf_store(word[12], vf_set(0.0f));
+    vf_store(word[13], (vfloat)best_prim);
+    vi_store(stream->octant + stream->count, vi_select(lanes->valid, octant, vi_set(OCTANTS)));
+    for (int lane = 0; lane < RB_LANES; lane++) {
+        char *ray = (char *)&stream->ray[stream->count + (uint32_t)lane];
+        for (int i = 0; i < 14; i++)
+            memcpy(ray + 4 * i, &word[i][lane], 4);
+    }
+    stream->count += RB_LANES;
 }
 
 // Goes on with the rays of a visit one by one.
@@ -102,23 +142,78 @@ static void go_alone(struct stream *stream, const struct visit *visit)
         if (stream->sides != RB_SIDES_BOTH)
             *best = single_closest(stream->world, visit->child, &ray, *best);
         else if (single_any(stream->world, visit->child, &ray, best->t))
-            *best = (struct rb_hit){.t = -1.0f, .prim = 0};
+            *best = OCCLUDED;
     }
+}
+
+// Leaves of what has no vector form.
+static void visit_others(struct stream *stream, const struct visit *visit)
+{
+    const uint32_t *ids = rb_wide_ids(stream->world->wide, visit->child);
+    for (uint32_t i = 0; i < visit->count; i++) {
+        uint32_t index = stream->pool[visit->list + i];
+        struct rb_ray ray = ray_of(stream, index);
+        struct rb_hit *best = &stream->ray[index].best;
+        RB_COUNT_BEGIN(index);
+        if (stream->sides != RB_SIDES_BOTH)
+            *best = leaf_one_by_one(stream->world, ids, &ray, *best);
+        else if (leaf_one_by_one(stream->world, ids, &ray, RB_MISS).t < best->t)
+            *best = OCCLUDED;
+    }
+}
+
+static inline void splat(const struct stream_ray *ray, struct wide_ray *wide)
+{
+    wide->o = vv_set(ray->o), wide->inv = vv_set(ray->inv), wide->d = vv_set(ray->d);
+}
+
+static inline void take(const struct stream *stream, const struct wide_hits *hits,
+                        struct rb_hit *best)
+{
+    if (stream->sides != RB_SIDES_BOTH)
+        *best = keep_closest(hits, *best);
+    else if (vi_any(hits->found & (hits->t < best->t)))
+        *best = OCCLUDED;
+}
+
+// What the two loops over the rays of a leaf have in common.
+#define FOR_EACH_RAY(stream, visit, ray, best, test)                                               \
+    for (uint32_t i = 0; i < (visit)->count; i++) {                                                \
+        uint32_t index = (stream)->pool[(visit)->list + i];                                        \
+        struct rb_ray one = {.self = (stream)->ray[index].self, .sides = (stream)->sides};         \
+        struct wide_ray ray = {.one = &one};                                                       \
+        splat(&(stream)->ray[index], &ray);                                                        \
+        struct wide_hits hits = test;                                                              \
+        take(stream, &hits, &(stream)->ray[index].best);                                           \
+    }
+
+static void visit_spheres(struct stream *stream, const struct visit *visit, int lane)
+{
+    uint32_t block = rb_wide_index_of(visit->child);
+    struct wide_spheres spheres = wide_spheres_load(&stream->world->wide->spheres[block], lane);
+    FOR_EACH_RAY(stream, visit, ray, best, wide_spheres_hit(&spheres, &ray))
+}
+
+static void visit_triangles(struct stream *stream, const struct visit *visit, int lane)
+{
+    uint32_t block = rb_wide_index_of(visit->child);
+    struct wide_triangles triangles =
+        wide_triangles_load(&stream->world->wide->triangles[block], lane);
+    FOR_EACH_RAY(stream, visit, ray, best, wide_triangles_hit(&triangles, &ray))
 }
 
 static void visit_leaf(struct stream *stream, const struct visit *visit)
 {
-    for (uint32_t i = 0; i < visit->count; i++) {
-        uint32_t index = stream->pool[visit->list + i];
-        struct rb_ray one = ray_of(stream, index);
-        struct wide_ray ray;
-        wide_ray_make(&one, &ray);
-        struct rb_hit *best = &stream->ray[index].best;
-        RB_COUNT_BEGIN(index);
-        if (stream->sides != RB_SIDES_BOTH)
-            *best = leaf_closest(stream->world, visit->child, &ray, *best);
-        else if (leaf_any(stream->world, visit->child, &ray, best->t))
-            *best = (struct rb_hit){.t = -1.0f, .prim = 0};
+    enum rb_wide_kind kind = rb_wide_kind_of(visit->child);
+    if (kind == RB_WIDE_OTHERS || stream->sides == RB_SIDES_FRONT) {
+        visit_others(stream, visit);
+        return;
+    }
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
+        (kind == RB_WIDE_SPHERES ? visit_spheres : visit_triangles)(stream, visit, lane);
+    for (uint32_t i = 0; RB_COUNTS && i < visit->count; i++) {
+        RB_COUNT_BEGIN(stream->pool[visit->list + i]);
+        RB_COUNT(count_leaf(stream->world->wide, visit->child));
     }
 }
 
@@ -199,6 +294,17 @@ static inline void filter(const struct stream *stream, const struct visit *visit
     }
 }
 
+static inline void prefetch(const struct rb_wide *wide, rb_wide_child child)
+{
+    uint32_t index = rb_wide_index_of(child);
+    enum rb_wide_kind kind = rb_wide_kind_of(child);
+    const char *at = kind == RB_WIDE_NODE      ? (const char *)&wide->nodes[index]
+                     : kind == RB_WIDE_SPHERES ? (const char *)&wide->spheres[index]
+                                               : (const char *)&wide->triangles[index];
+    for (int i = 0; i < (kind == RB_WIDE_TRIANGLES ? 5 : 4); i++)
+        __builtin_prefetch(at + 64 * i);
+}
+
 // Leaves visits of the children on the stack, the one that is nearest on average on top.
 static int visit_node(struct stream *stream, const struct visit *visit, uint32_t top, int depth)
 {
@@ -221,6 +327,7 @@ static int visit_node(struct stream *stream, const struct visit *visit, uint32_t
         int lane = (int)(uint32_t)order[i];
         stream->stack[depth++] = (struct visit){node->child[lane], top, counts[lane]};
         filter(stream, visit, lane, stream->pool + top);
+        prefetch(stream->world->wide, node->child[lane]);
         top += counts[lane];
     }
     return depth;
@@ -237,7 +344,7 @@ static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint3
         uint32_t end = visit.list + visit.count, top = end > floor ? end : floor;
         if (rb_wide_kind_of(visit.child) != RB_WIDE_NODE)
             visit_leaf(stream, &visit);
-        else if (visit.count < 2 || POOL - top < RB_WIDE * (visit.count + 1))
+        else if (visit.count < 1 || POOL - top < RB_WIDE * (visit.count + 1))
             go_alone(stream, &visit);
         else
             depth = visit_node(stream, &visit, top, depth);
@@ -275,11 +382,18 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
     for (uint32_t begin = 0; begin < rays->count; begin += STREAM_MAX) {
         uint32_t count = rays->count - begin < STREAM_MAX ? rays->count - begin : STREAM_MAX;
         stream.count = 0;
-        for (uint32_t i = 0; i < count; i++) {
-            struct rb_ray ray = rb_ray_load(rays, begin + i, world->one_sided);
-            RB_COUNT_BEGIN(begin + i);
-            add(&stream, &ray,
-                rb_ray_valid(&ray) ? rb_planes_closest(world->scene, &ray) : RB_MISS);
+        for (uint32_t i = begin; i < begin + count; i += RB_LANES) {
+            struct lanes lanes = {
+                .o = {vf_load(rays->ox + i), vf_load(rays->oy + i), vf_load(rays->oz + i)},
+                .d = {vf_load(rays->dx + i), vf_load(rays->dy + i), vf_load(rays->dz + i)},
+                .self = vi_load(rays->self + i),
+            };
+            lanes.valid = vi_first(rays->count - i) & vv_finite(lanes.o) & vv_finite(lanes.d);
+            vfloat t = vf_set(INFINITY);
+            vint prim = vi_set(RB_NONE);
+            RB_COUNT_BEGIN(i);
+            meet_planes(&stream, &lanes, &t, &prim);
+            add(&stream, &lanes, t, prim);
         }
         run(&stream);
         for (uint32_t i = 0; i < count; i++) {
@@ -298,14 +412,18 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
     for (uint32_t begin = 0; begin < shadows->count; begin += STREAM_MAX) {
         uint32_t count = shadows->count - begin < STREAM_MAX ? shadows->count - begin : STREAM_MAX;
         stream.count = 0;
-        for (uint32_t i = 0; i < count; i++) {
-            struct rb_ray ray = rb_shadow_load(shadows, begin + i);
-            float distance = shadows->distance[begin + i];
-            RB_COUNT_BEGIN(begin + i);
-            bool occluded = rb_ray_valid(&ray) && rb_planes_any(world->scene, &ray, distance);
-            add(&stream, &ray,
-                occluded ? (struct rb_hit){.t = -1.0f, .prim = 0}
-                         : (struct rb_hit){.t = distance, .prim = RB_NONE});
+        for (uint32_t i = begin; i < begin + count; i += RB_LANES) {
+            struct lanes lanes = {
+                .o = {vf_load(shadows->ox + i), vf_load(shadows->oy + i), vf_load(shadows->oz + i)},
+                .d = {vf_load(shadows->dx + i), vf_load(shadows->dy + i), vf_load(shadows->dz + i)},
+                .self = vi_load(shadows->self + i),
+            };
+            lanes.valid = vi_first(shadows->count - i) & vv_finite(lanes.o) & vv_finite(lanes.d);
+            vfloat t = vf_load(shadows->distance + i);
+            vint prim = vi_set(RB_NONE);
+            RB_COUNT_BEGIN(i);
+            meet_planes(&stream, &lanes, &t, &prim);
+            add(&stream, &lanes, vf_select(prim == vi_set(RB_NONE), t, vf_set(-1.0f)), prim);
         }
         run(&stream);
         for (uint32_t i = 0; i < count; i++) {

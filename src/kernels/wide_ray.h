@@ -9,6 +9,9 @@
 #include "kernels/intersect.h"
 #include "kernels/simd.h"
 
+// Everything here is small only where its arguments are in registers.
+#define RB_INLINE static inline __attribute__((always_inline))
+
 // Vectors per node or block.
 enum { WIDE_PARTS = RB_WIDE / RB_LANES };
 
@@ -19,7 +22,7 @@ struct wide_ray {
     const struct rb_ray *one;
 };
 
-static inline void wide_ray_make(const struct rb_ray *ray, struct wide_ray *wide)
+RB_INLINE void wide_ray_make(const struct rb_ray *ray, struct wide_ray *wide)
 {
     wide->o = (struct vvec){vf_set(ray->o.x), vf_set(ray->o.y), vf_set(ray->o.z)};
     wide->d = (struct vvec){vf_set(ray->d.x), vf_set(ray->d.y), vf_set(ray->d.z)};
@@ -30,10 +33,23 @@ static inline void wide_ray_make(const struct rb_ray *ray, struct wide_ray *wide
     wide->one = ray;
 }
 
+// `r` >= 0 with the sign of `direction`.
+RB_INLINE vfloat wide_signed(vfloat r, vfloat direction)
+{
+    return (vfloat)((vint)r | ((vint)direction & vi_set(0x80000000u)));
+}
+
+// rb_safe_inverse
+RB_INLINE vfloat wide_inverse(vfloat d)
+{
+    vfloat magnitude = vf_max(vf_abs(d), vf_set(RB_DIRECTION_MIN));
+    return 1.0f / wide_signed(magnitude, d);
+}
+
 // rb_box. Rounding is monotone, so scaling the least of the far distances gives the least of the
 // scaled ones.
-static inline void wide_slabs(struct vvec near, struct vvec far, const struct wide_ray *ray,
-                              vfloat *from, vfloat *to)
+RB_INLINE void wide_slabs(struct vvec near, struct vvec far, const struct wide_ray *ray,
+                          vfloat *from, vfloat *to)
 {
     near = vv_sub(near, ray->o), far = vv_sub(far, ray->o);
     vfloat near_xy = vf_max(near.x * ray->inv.x, near.y * ray->inv.y);
@@ -43,8 +59,8 @@ static inline void wide_slabs(struct vvec near, struct vvec far, const struct wi
 }
 
 // The children that the ray reaches no farther than `limit`, one bit each, and where.
-static inline unsigned wide_node(const struct rb_wide_node *node, const struct wide_ray *ray,
-                                 vfloat limit, float reach[RB_WIDE])
+RB_INLINE unsigned wide_node(const struct rb_wide_node *node, const struct wide_ray *ray,
+                             vfloat limit, float reach[RB_WIDE])
 {
     unsigned bits = 0;
     const int *b = ray->backward;
@@ -74,7 +90,7 @@ struct wide_hits {
 };
 
 // The primitives there are in a block, one bit each.
-static inline unsigned wide_lanes(const uint32_t id[RB_WIDE])
+RB_INLINE unsigned wide_lanes(const uint32_t id[RB_WIDE])
 {
     unsigned bits = 0;
     for (int lane = 0; lane < RB_WIDE; lane++)
@@ -83,8 +99,8 @@ static inline unsigned wide_lanes(const uint32_t id[RB_WIDE])
 }
 
 // Own box, for the lanes that were hit.
-static inline void wide_clamp(struct vvec near, struct vvec far, const struct wide_ray *ray,
-                              struct wide_hits *hits)
+RB_INLINE void wide_clamp(struct vvec near, struct vvec far, const struct wide_ray *ray,
+                          struct wide_hits *hits)
 {
     vfloat from, to;
     wide_slabs(near, far, ray, &from, &to);
@@ -92,82 +108,115 @@ static inline void wide_clamp(struct vvec near, struct vvec far, const struct wi
     hits->found &= (from <= to) & (hits->t > 0.0f);
 }
 
-// The side of spheres' boxes that is nearer, or with `r` negative farther.
-static inline struct vvec wide_sphere_side(struct vvec center, vfloat r, const struct wide_ray *ray)
+// Part of a block of spheres.
+struct wide_spheres {
+    struct vvec center;
+    vfloat radius;
+    vint prim;
+};
+
+RB_INLINE struct wide_spheres wide_spheres_load(const struct rb_wide_spheres *block, int lane)
 {
-    return (struct vvec){ray->backward[0] ? center.x + r : center.x - r,
-                         ray->backward[1] ? center.y + r : center.y - r,
-                         ray->backward[2] ? center.z + r : center.z - r};
+    return (struct wide_spheres){
+        {vf_load(block->center[0] + lane), vf_load(block->center[1] + lane),
+         vf_load(block->center[2] + lane)},
+        vf_load(block->radius + lane),
+        vi_load(block->id + lane),
+    };
 }
 
-static inline struct wide_hits wide_spheres(const struct rb_wide_spheres *block, int lane,
+// rb_sphere_hit
+RB_INLINE struct wide_hits wide_spheres_hit(const struct wide_spheres *spheres,
                                             const struct wide_ray *ray)
 {
-    struct vvec center = {vf_load(block->center[0] + lane), vf_load(block->center[1] + lane),
-                          vf_load(block->center[2] + lane)};
-    vfloat radius = vf_load(block->radius + lane);
+    struct vvec center = spheres->center;
+    vfloat radius = spheres->radius;
     struct vvec l = vv_sub(center, ray->o);
     vfloat b = vv_dot(l, ray->d);
     struct vvec apart = vv_mad(l, -b, ray->d);
     vfloat discriminant = radius * radius - vv_dot(apart, apart);
     struct wide_hits hits;
     hits.found = discriminant >= 0.0f;
-    hits.prim = vi_load(block->id + lane);
+    hits.prim = spheres->prim;
     vint own = hits.prim == vi_set(ray->one->self);
-    vfloat root = vf_sqrt(discriminant), near = b - root, far = vf_select(own, b + b, b + root);
-    vint take_near = (near > 0.0f) & ~own;
+    vfloat root = vf_sqrt(discriminant);
+    vfloat enter = b - root, leave = vf_select(own, b + b, b + root);
+    vint take_enter = (enter > 0.0f) & ~own;
     if (ray->one->sides == RB_SIDES_BOTH)
         hits.found &= ~own;
     else
-        take_near &= ~(radius < 0.0f);
-    hits.t = vf_select(take_near, near, far);
+        take_enter &= ~(radius < 0.0f);
+    hits.t = vf_select(take_enter, enter, leave);
     hits.found &= hits.t > 0.0f;
     hits.u = hits.v = vf_set(0.0f);
     vfloat r = vf_abs(radius);
-    wide_clamp(wide_sphere_side(center, r, ray), wide_sphere_side(center, -r, ray), ray, &hits);
+    struct vvec toward = {wide_signed(r, ray->inv.x), wide_signed(r, ray->inv.y),
+                          wide_signed(r, ray->inv.z)};
+    struct vvec near = vv_sub(center, toward);
+    struct vvec far = {center.x + toward.x, center.y + toward.y, center.z + toward.z};
+    wide_clamp(near, far, ray, &hits);
     return hits;
 }
 
-static inline struct vvec wide_vertex(const struct rb_wide_triangles *block, int i, int lane)
+// Lower and upper ends of an axis of boxes, as rb_triangle_bounds has them, swapped for rays that
+// go backward.
+RB_INLINE void wide_ends(vfloat a, vfloat b, vfloat c, vfloat inv, vfloat *near, vfloat *far)
+{
+    vfloat low = vf_min(vf_min(a, b), c), high = vf_max(vf_max(a, b), c);
+    *near = vf_select(inv < 0.0f, high, low);
+    *far = vf_select(inv < 0.0f, low, high);
+}
+
+RB_INLINE struct vvec wide_vertex(const struct rb_wide_triangles *block, int i, int lane)
 {
     return (struct vvec){vf_load(block->v[i][0] + lane), vf_load(block->v[i][1] + lane),
                          vf_load(block->v[i][2] + lane)};
 }
 
-// Lower and upper ends of an axis of boxes, as rb_triangle_bounds has them, swapped for rays that
-// go backward.
-static inline void wide_ends(vfloat a, vfloat b, vfloat c, int backward, vfloat *near, vfloat *far)
+// Part of a block of triangles, with what of them does not depend on the ray.
+struct wide_triangles {
+    struct vvec v0, v1, v2, e1, e2;
+    vfloat reach; // of the edges
+    vint prim;
+};
+
+RB_INLINE struct wide_triangles wide_triangles_load(const struct rb_wide_triangles *block, int lane)
 {
-    vfloat low = vf_min(vf_min(a, b), c), high = vf_max(vf_max(a, b), c);
-    *near = backward ? high : low;
-    *far = backward ? low : high;
+    struct wide_triangles of;
+    of.v0 = wide_vertex(block, 0, lane);
+    of.v1 = wide_vertex(block, 1, lane);
+    of.v2 = wide_vertex(block, 2, lane);
+    of.e1 = vv_sub(of.v1, of.v0);
+    of.e2 = vv_sub(of.v2, of.v0);
+    of.reach = vf_max(vv_reach(of.e1), vv_reach(of.e2));
+    of.prim = vi_load(block->id + lane);
+    return of;
 }
 
-static inline struct wide_hits wide_triangles(const struct rb_wide_triangles *block, int lane,
+// rb_triangle_hit
+RB_INLINE struct wide_hits wide_triangles_hit(const struct wide_triangles *of,
                                               const struct wide_ray *ray)
 {
-    struct vvec v0 = wide_vertex(block, 0, lane), v1 = wide_vertex(block, 1, lane);
-    struct vvec v2 = wide_vertex(block, 2, lane), e1 = vv_sub(v1, v0), e2 = vv_sub(v2, v0);
-    struct vvec s = vv_sub(ray->o, v0), p = vv_cross(ray->d, e2), q = vv_cross(s, e1);
-    vfloat det = vv_dot(e1, p), area = vf_abs(det);
+    struct vvec s = vv_sub(ray->o, of->v0), p = vv_cross(ray->d, of->e2), q = vv_cross(s, of->e1);
+    vfloat det = vv_dot(of->e1, p), area = vf_abs(det);
     vint flip = (vint)det & vi_set(0x80000000u); // a product with the sign of det
     vfloat us = (vfloat)((vint)vv_dot(s, p) ^ flip);
     vfloat vs = (vfloat)((vint)vv_dot(ray->d, q) ^ flip);
-    vfloat slack = RB_EDGE_TOLERANCE * vv_reach(s) * vf_max(vv_reach(e1), vv_reach(e2));
+    vfloat slack = RB_EDGE_TOLERANCE * vv_reach(s) * of->reach;
     struct wide_hits hits;
     hits.found = (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) & (area >= FLT_MIN);
     if (!vi_any(hits.found))
         return hits;
     vfloat inverse = 1.0f / area, zero = vf_set(0.0f), one = vf_set(1.0f);
-    hits.t = (vfloat)((vint)vv_dot(e2, q) ^ flip) * inverse;
+    hits.t = (vfloat)((vint)vv_dot(of->e2, q) ^ flip) * inverse;
     hits.u = vf_min(vf_max(us * inverse, zero), one);
     hits.v = vf_min(vf_max(vs * inverse, zero), one - hits.u);
-    hits.prim = vi_load(block->id + lane);
+    hits.prim = of->prim;
     hits.found &= hits.prim != vi_set(ray->one->self);
     struct vvec near, far;
-    wide_ends(v0.x, v1.x, v2.x, ray->backward[0], &near.x, &far.x);
-    wide_ends(v0.y, v1.y, v2.y, ray->backward[1], &near.y, &far.y);
-    wide_ends(v0.z, v1.z, v2.z, ray->backward[2], &near.z, &far.z);
+    wide_ends(of->v0.x, of->v1.x, of->v2.x, ray->inv.x, &near.x, &far.x);
+    wide_ends(of->v0.y, of->v1.y, of->v2.y, ray->inv.y, &near.y, &far.y);
+    wide_ends(of->v0.z, of->v1.z, of->v2.z, ray->inv.z, &near.z, &far.z);
     wide_clamp(near, far, ray, &hits);
     return hits;
 }

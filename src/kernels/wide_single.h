@@ -6,14 +6,14 @@
 
 // A child that is still to be visited: where the ray meets its box, as the bits of the float, which
 // for distances order like it; then the child.
-static inline uint64_t visit_make(float near, rb_wide_child child)
+RB_INLINE uint64_t visit_make(float near, rb_wide_child child)
 {
     uint32_t bits;
     memcpy(&bits, &near, sizeof bits);
     return (uint64_t)bits << 32 | child;
 }
 
-static inline float visit_near(uint64_t visit)
+RB_INLINE float visit_near(uint64_t visit)
 {
     uint32_t bits = (uint32_t)(visit >> 32);
     float near;
@@ -22,8 +22,8 @@ static inline float visit_near(uint64_t visit)
 }
 
 // Puts the children of `bits` on the stack, the nearest on top.
-static inline int push_sorted(const struct rb_wide_node *node, unsigned bits,
-                              const float near[RB_WIDE], uint64_t *stack, int depth)
+RB_INLINE int push_sorted(const struct rb_wide_node *node, unsigned bits, const float near[RB_WIDE],
+                          uint64_t *stack, int depth)
 {
     int bottom = depth;
     for (; bits; bits &= bits - 1) {
@@ -48,16 +48,19 @@ static struct rb_hit leaf_one_by_one(const struct rb_world *world, const uint32_
     return best;
 }
 
-static inline struct wide_hits leaf_part(const struct rb_wide *wide, rb_wide_child leaf, int lane,
-                                         const struct wide_ray *ray)
+RB_INLINE struct wide_hits leaf_part(const struct rb_wide *wide, rb_wide_child leaf, int lane,
+                                     const struct wide_ray *ray)
 {
     uint32_t index = rb_wide_index_of(leaf);
-    return rb_wide_kind_of(leaf) == RB_WIDE_SPHERES
-               ? wide_spheres(&wide->spheres[index], lane, ray)
-               : wide_triangles(&wide->triangles[index], lane, ray);
+    if (rb_wide_kind_of(leaf) == RB_WIDE_SPHERES) {
+        struct wide_spheres spheres = wide_spheres_load(&wide->spheres[index], lane);
+        return wide_spheres_hit(&spheres, ray);
+    }
+    struct wide_triangles triangles = wide_triangles_load(&wide->triangles[index], lane);
+    return wide_triangles_hit(&triangles, ray);
 }
 
-static inline void count_leaf(const struct rb_wide *wide, rb_wide_child leaf)
+RB_INLINE void count_leaf(const struct rb_wide *wide, rb_wide_child leaf)
 {
     bool spheres = rb_wide_kind_of(leaf) == RB_WIDE_SPHERES;
     unsigned lanes = wide_lanes(rb_wide_ids(wide, leaf));
@@ -71,7 +74,7 @@ static inline void count_leaf(const struct rb_wide *wide, rb_wide_child leaf)
 }
 
 // The best of the hits and what was best before.
-static inline struct rb_hit keep_closest(const struct wide_hits *hits, struct rb_hit best)
+RB_INLINE struct rb_hit keep_closest(const struct wide_hits *hits, struct rb_hit best)
 {
     float t[RB_LANES], u[RB_LANES], v[RB_LANES];
     uint32_t prim[RB_LANES];
@@ -89,8 +92,8 @@ static inline struct rb_hit keep_closest(const struct wide_hits *hits, struct rb
     return best;
 }
 
-static inline struct rb_hit leaf_closest(const struct rb_world *world, rb_wide_child leaf,
-                                         const struct wide_ray *ray, struct rb_hit best)
+RB_INLINE struct rb_hit leaf_closest(const struct rb_world *world, rb_wide_child leaf,
+                                     const struct wide_ray *ray, struct rb_hit best)
 {
     if (rb_wide_kind_of(leaf) == RB_WIDE_OTHERS || ray->one->sides == RB_SIDES_FRONT)
         return leaf_one_by_one(world, rb_wide_ids(world->wide, leaf), ray->one, best);
@@ -127,8 +130,8 @@ static struct rb_hit single_closest(const struct rb_world *world, rb_wide_child 
     return best;
 }
 
-static inline bool leaf_any(const struct rb_world *world, rb_wide_child leaf,
-                            const struct wide_ray *ray, float distance)
+RB_INLINE bool leaf_any(const struct rb_world *world, rb_wide_child leaf,
+                        const struct wide_ray *ray, float distance)
 {
     if (rb_wide_kind_of(leaf) == RB_WIDE_OTHERS)
         return leaf_one_by_one(world, rb_wide_ids(world->wide, leaf), ray->one, RB_MISS).t <
