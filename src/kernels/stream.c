@@ -113,19 +113,21 @@ static inline void add(struct stream *stream, const struct lanes *lanes, vfloat 
     struct vvec inv = {wide_inverse(lanes->d.x), wide_inverse(lanes->d.y),
                        wide_inverse(lanes->d.z)};
     vint octant = ((inv.x < 0.0f) & 1) | ((inv.y < 0.0f) & 2) | ((inv.z < 0.0f) & 4);
-    float word[14][RB_LANES];
-    vf_store(word[0], lanes->o.x), vf_store(word[1], lanes->o.y), vf_store(word[2], lanes->o.z);
-    vf_store(word[3], inv.x), vf_store(word[4], inv.y), vf_store(word[5], inv.z);
-    vf_store(word[6], lanes->d.x), vf_store(word[7], lanes->d.y), vf_store(word[8], lanes->d.z);
-    vf_store(word[9], (vfloat)lanes->self), vf_store(word[10], best_t);
-    vf_store(word[11], vf_set(0.0f)), vf_store(word[12], vf_set(0.0f));
-    vf_store(word[13], (vfloat)best_prim);
+    float o[3][RB_LANES], i[3][RB_LANES], d[3][RB_LANES], t[RB_LANES];
+    uint32_t self[RB_LANES], prim[RB_LANES];
+    vf_store(o[0], lanes->o.x), vf_store(o[1], lanes->o.y), vf_store(o[2], lanes->o.z);
+    vf_store(i[0], inv.x), vf_store(i[1], inv.y), vf_store(i[2], inv.z);
+    vf_store(d[0], lanes->d.x), vf_store(d[1], lanes->d.y), vf_store(d[2], lanes->d.z);
+    vi_store(self, lanes->self), vf_store(t, best_t), vi_store(prim, best_prim);
     vi_store(stream->octant + stream->count, vi_select(lanes->valid, octant, vi_set(OCTANTS)));
-    for (int lane = 0; lane < RB_LANES; lane++) {
-        char *ray = (char *)&stream->ray[stream->count + (uint32_t)lane];
-        for (int i = 0; i < 14; i++)
-            memcpy(ray + 4 * i, &word[i][lane], 4);
-    }
+    for (int l = 0; l < RB_LANES; l++)
+        stream->ray[stream->count + (uint32_t)l] = (struct stream_ray){
+            .o = {o[0][l], o[1][l], o[2][l]},
+            .inv = {i[0][l], i[1][l], i[2][l]},
+            .d = {d[0][l], d[1][l], d[2][l]},
+            .self = self[l],
+            .best = {t[l], 0.0f, 0.0f, prim[l]},
+        };
     stream->count += RB_LANES;
 }
 
@@ -289,8 +291,7 @@ static inline void filter(const struct stream *stream, const struct visit *visit
 {
     for (uint32_t i = 0; i < visit->count; i += RB_LANES) {
         unsigned bits = stream->bits[i / 8 * 8 + (uint32_t)lane] >> i % 8 & VI_ALL_BITS;
-        vi_store(to, vi_compress(vi_load(stream->pool + visit->list + i), bits));
-        to += __builtin_popcount(bits);
+        to += vi_pack(to, vi_load(stream->pool + visit->list + i), bits);
     }
 }
 
