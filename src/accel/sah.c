@@ -31,7 +31,7 @@ static int bin_of(const struct rb_sah_item *item, int axis, float low, float sca
 }
 
 // Sweeps the bins of one axis from both ends and keeps the cheapest plane in `best`.
-static void sweep(const struct bin bins[BINS], int axis, float low, float scale,
+static void sweep(const struct bin bins[BINS], uint32_t block, int axis, float low, float scale,
                   struct rb_sah_split *best)
 {
     float right_cost[BINS];
@@ -40,20 +40,21 @@ static void sweep(const struct bin bins[BINS], int axis, float low, float scale,
     for (int i = BINS - 1; i > 0; i--) {
         rb_box_include(&box, &bins[i].box);
         count += bins[i].count;
-        right_cost[i] = count ? rb_box_half_area(&box) * (float)count : INFINITY;
+        right_cost[i] = count ? rb_box_half_area(&box) * rb_sah_blocks(count, block) : INFINITY;
     }
     box = RB_BOX_EMPTY;
     count = 0;
     for (int i = 1; i < BINS; i++) {
         rb_box_include(&box, &bins[i - 1].box);
         count += bins[i - 1].count;
-        float cost = count ? rb_box_half_area(&box) * (float)count + right_cost[i] : INFINITY;
+        float cost =
+            count ? rb_box_half_area(&box) * rb_sah_blocks(count, block) + right_cost[i] : INFINITY;
         if (cost < best->cost)
             *best = (struct rb_sah_split){cost, low, scale, axis, i};
     }
 }
 
-struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count)
+struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count, uint32_t block)
 {
     struct rb_sah_split best = {.cost = INFINITY};
     struct rb_box centers = centers_box(items, count);
@@ -70,7 +71,7 @@ struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count)
             rb_box_include(&bin->box, &items[i].box);
             bin->count++;
         }
-        sweep(bins, axis, low, scale, &best);
+        sweep(bins, block, axis, low, scale, &best);
     }
     return best;
 }

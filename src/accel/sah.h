@@ -1,6 +1,6 @@
 // The surface area heuristic by binning (Wald 2007): where to split a set of boxes in two so that
-// the expected cost of a ray, area times primitives on both sides, is least. Depends on the set and
-// its order alone.
+// the expected cost of a ray, area times primitives on both sides, is least; or, where primitives
+// are tested in blocks, area times blocks. Depends on the set and its order alone.
 #ifndef RB_ACCEL_SAH_H
 #define RB_ACCEL_SAH_H
 
@@ -22,7 +22,7 @@ struct rb_sah_item {
 };
 
 struct rb_sah_split {
-    float cost; // of both sides, half area times primitives; infinite if no plane separates them
+    float cost; // of both sides, half area times blocks; infinite if no plane separates them
     float low, scale;
     int axis, bin; // items of bins < bin go left
 };
@@ -42,8 +42,14 @@ static inline float rb_box_half_area(const struct rb_box *box)
     return x * y + y * z + z * x;
 }
 
+// Blocks of `block` that `count` primitives fill.
+static inline float rb_sah_blocks(uint32_t count, uint32_t block)
+{
+    return (float)((count + block - 1) / block);
+}
+
 // The cheapest of the planes between bins, on all three axes.
-struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count);
+struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count, uint32_t block);
 
 // Moves the items left of the split to the front; returns how many there are, at least one and
 // fewer than `count` if the cost of the split is finite.
