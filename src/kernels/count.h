@@ -43,6 +43,7 @@ extern const char *const rb_counter_names[RB_COUNTER_COUNT]; // "nodes"
 // What a thread is counting.
 struct rb_counting {
     struct rb_counts counts;
+    uint32_t base;    // index in its queue of the first ray of a part of it that is in work
     uint32_t first;   // index in its queue of the ray in lane 0
     uint64_t deepest; // stack of the running traversal
     uint32_t *cost;   // not NULL: what `chosen` counts is added up here, by ray
@@ -71,8 +72,10 @@ void rb_counting_end(unsigned bits);
 #define RB_COUNT(what) (0 ? (void)(what) : (void)0) // compiled, never run
 #endif
 
-// The work that follows is that of the rays from `index` on, the first of them in lane 0; and it is
-// done, for the rays of `bits`.
+// The kernel that is called next counts rays from `index` of the queue on. Or: the work that
+// follows is that of the rays from `index` on, the first of them in lane 0; and it is done, for the
+// rays of `bits`.
+#define RB_COUNT_BASE(index)  RB_COUNT(rb_counting.base = (index))
 #define RB_COUNT_BEGIN(index) RB_COUNT(rb_counting_begin(index))
 #define RB_COUNT_END(bits)    RB_COUNT(rb_counting_end(bits))
 

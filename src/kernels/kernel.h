@@ -171,6 +171,10 @@ struct rb_kernels {
 #define RB_KERNEL_SET(name) extern const struct rb_kernels name, name##_counted
 RB_KERNEL_SET(rb_kernels_naive);
 RB_KERNEL_SET(rb_kernels_bvh);
+RB_KERNEL_SET(rb_kernels_frustum_sse2);
+RB_KERNEL_SET(rb_kernels_frustum_avx2);
+RB_KERNEL_SET(rb_kernels_frustum_avx512);
+RB_KERNEL_SET(rb_kernels_frustum_neon);
 RB_KERNEL_SET(rb_kernels_packet_sse2); // one source, an object per instruction set;
 RB_KERNEL_SET(rb_kernels_packet_avx2); // those of other processors are not linked
 RB_KERNEL_SET(rb_kernels_packet_avx512);
