@@ -67,11 +67,6 @@ static void visit_others(struct stream *stream, const struct visit *visit)
     }
 }
 
-static inline void splat(const struct stream_ray *ray, struct wide_ray *wide)
-{
-    wide->o = vv_set(ray->o), wide->inv = vv_set(ray->inv), wide->d = vv_set(ray->d);
-}
-
 static inline void take(const struct stream *stream, const struct wide_hits *hits,
                         struct rb_hit *best)
 {
@@ -81,30 +76,39 @@ static inline void take(const struct stream *stream, const struct wide_hits *hit
         *best = OCCLUDED;
 }
 
-// What the two loops over the rays of a leaf have in common.
-#define FOR_EACH_RAY(stream, visit, ray, best, test)                                               \
-    for (uint32_t i = 0; i < (visit)->count; i++) {                                                \
-        uint32_t index = (stream)->pool[(visit)->list + i];                                        \
-        struct rb_ray one = {.self = (stream)->ray[index].self, .sides = (stream)->sides};         \
-        struct wide_ray ray = {.one = &one};                                                       \
-        splat(&(stream)->ray[index], &ray);                                                        \
-        struct wide_hits hits = test;                                                              \
-        take(stream, &hits, &(stream)->ray[index].best);                                           \
-    }
-
-static void visit_spheres(struct stream *stream, const struct visit *visit, int lane)
+// The rays of a visit against part of a block, which stays in registers.
+RB_INLINE void visit_part(struct stream *stream, const struct visit *visit, int lane,
+                          enum rb_wide_kind kind)
 {
+    const struct rb_wide *wide = stream->world->wide;
     uint32_t block = rb_wide_index_of(visit->child);
-    struct wide_spheres spheres = wide_spheres_load(&stream->world->wide->spheres[block], lane);
-    FOR_EACH_RAY(stream, visit, ray, best, wide_spheres_hit(&spheres, &ray))
+    struct wide_spheres spheres;
+    struct wide_triangles triangles;
+    if (kind == RB_WIDE_SPHERES)
+        spheres = wide_spheres_load(&wide->spheres[block], lane);
+    else
+        triangles = wide_triangles_load(&wide->triangles[block], lane);
+    for (uint32_t i = 0; i < visit->count; i++) {
+        struct stream_ray *from = &stream->ray[stream->pool[visit->list + i]];
+        struct rb_ray one = {.self = from->self, .sides = stream->sides};
+        struct wide_ray ray = {
+            .o = vv_set(from->o), .inv = vv_set(from->inv), .d = vv_set(from->d), .one = &one};
+        struct wide_hits hits = kind == RB_WIDE_SPHERES ? wide_spheres_hit(&spheres, &ray)
+                                                        : wide_triangles_hit(&triangles, &ray);
+        take(stream, &hits, &from->best);
+    }
 }
 
-static void visit_triangles(struct stream *stream, const struct visit *visit, int lane)
+static void visit_spheres(struct stream *stream, const struct visit *visit)
 {
-    uint32_t block = rb_wide_index_of(visit->child);
-    struct wide_triangles triangles =
-        wide_triangles_load(&stream->world->wide->triangles[block], lane);
-    FOR_EACH_RAY(stream, visit, ray, best, wide_triangles_hit(&triangles, &ray))
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
+        visit_part(stream, visit, lane, RB_WIDE_SPHERES);
+}
+
+static void visit_triangles(struct stream *stream, const struct visit *visit)
+{
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
+        visit_part(stream, visit, lane, RB_WIDE_TRIANGLES);
 }
 
 static void visit_leaf(struct stream *stream, const struct visit *visit)
@@ -114,8 +118,10 @@ static void visit_leaf(struct stream *stream, const struct visit *visit)
         visit_others(stream, visit);
         return;
     }
-    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
-        (kind == RB_WIDE_SPHERES ? visit_spheres : visit_triangles)(stream, visit, lane);
+    if (kind == RB_WIDE_SPHERES)
+        visit_spheres(stream, visit);
+    else
+        visit_triangles(stream, visit);
     for (uint32_t i = 0; RB_COUNTS && i < visit->count; i++) {
         RB_COUNT_BEGIN(stream->begin + stream->pool[visit->list + i]);
         RB_COUNT(count_leaf(stream->world->wide, visit->child));
