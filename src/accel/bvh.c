@@ -1,4 +1,4 @@
-// Binned SAH, in two phases. A serial phase splits the largest ranges until there are enough
+// Binned SAH, in two phases. The first splits ranges, round by round, until there are enough
 // subtrees to share; the subtrees are then built in parallel, each in node slots of its own, and
 // copied behind the top of the tree in a fixed order. Sorting on every axis (full sweep SAH) was
 // rejected: binned trees cost nearly the same (Wald 2007) at a fraction of the build time.
@@ -46,10 +46,10 @@ static struct range range_of(const struct builder *builder, uint32_t begin, uint
 static uint32_t partition_kinds(const struct builder *builder, struct rb_sah_item *items,
                                 uint32_t count)
 {
-    enum rb_kind kind = rb_scene_kind(builder->scene, items[0].id);
+    enum rb_kind kind = rb_scene_kind(builder->scene, rb_sah_item_id(&items[0]));
     uint32_t same = 0;
     for (uint32_t i = 0; i < count; i++) {
-        if (rb_scene_kind(builder->scene, items[i].id) == kind) {
+        if (rb_scene_kind(builder->scene, rb_sah_item_id(&items[i])) == kind) {
             struct rb_sah_item swap = items[same];
             items[same++] = items[i];
             items[i] = swap;
@@ -125,6 +125,8 @@ struct subtree {
     struct range range;
     uint32_t parent;
     int child;
+    bool splits; // into these
+    struct range halves[2];
     uint32_t node_count; // nodes made, in slots range.begin onwards
     uint32_t place;      // where they end up
 };
@@ -143,29 +145,6 @@ static void top_open(struct top *top, const struct range halves[2], uint32_t fir
         node_set_child(&top->nodes[index], c, &halves[c]);
         uint32_t slot = c == 0 ? first_slot : top->open_count++;
         top->open[slot] = (struct subtree){.range = halves[c], .parent = index, .child = c};
-    }
-}
-
-// Splits the largest open range again and again.
-static void build_top(const struct builder *builder, const struct range halves[2], struct top *top)
-{
-    top->open_count = 1;
-    top_open(top, halves, 0);
-    while (top->open_count < SUBTREES) {
-        uint32_t largest = 0;
-        for (uint32_t i = 1; i < top->open_count; i++) {
-            const struct range *a = &top->open[i].range, *b = &top->open[largest].range;
-            if (a->end - a->begin > b->end - b->begin)
-                largest = i;
-        }
-        struct subtree open = top->open[largest];
-        struct range quarters[2];
-        if (open.range.end - open.range.begin < SUBTREE_MIN ||
-            !range_split(builder, &open.range, quarters))
-            break;
-        top->nodes[open.parent].count[open.child] = 0;
-        top->nodes[open.parent].child[open.child] = top->node_count;
-        top_open(top, quarters, largest);
     }
 }
 
@@ -226,9 +205,38 @@ static void bound_step(const void *of, uint32_t chunk)
     uint32_t begin = chunk * BOUND_CHUNK, rest = job->bvh->ref_count - begin;
     uint32_t end = begin + (rest < BOUND_CHUNK ? rest : BOUND_CHUNK);
     for (uint32_t i = begin; i < end; i++) {
-        struct rb_sah_item *item = &job->builder->items[i];
-        item->id = i;
-        rb_scene_bounds(job->scene, i, item->box.low, item->box.high);
+        float low[3], high[3];
+        rb_scene_bounds(job->scene, i, low, high);
+        job->builder->items[i] = rb_sah_item_make(low, high, i);
+    }
+}
+
+static void split_step(const void *of, uint32_t i)
+{
+    const struct job *job = of;
+    struct subtree *open = &job->top->open[i];
+    open->splits = open->range.end - open->range.begin >= SUBTREE_MIN &&
+                   range_split(job->builder, &open->range, open->halves);
+}
+
+// Splits all open ranges, in rounds, as long as there is room for twice as many.
+static void build_top(const struct job *job, const struct range halves[2], int threads)
+{
+    struct top *top = job->top;
+    uint32_t before = 0;
+    top->open_count = 1;
+    top_open(top, halves, 0);
+    while (top->open_count > before && top->open_count <= SUBTREES / 2) {
+        before = top->open_count;
+        rb_parallel_for(threads, before, split_step, job);
+        for (uint32_t i = 0; i < before; i++) {
+            struct subtree open = top->open[i];
+            if (!open.splits)
+                continue;
+            top->nodes[open.parent].count[open.child] = 0;
+            top->nodes[open.parent].child[open.child] = top->node_count;
+            top_open(top, open.halves, i);
+        }
     }
 }
 
@@ -260,7 +268,7 @@ static enum rb_status assemble(const struct job *job, int threads)
     memcpy(bvh->nodes, top->nodes, top->node_count * sizeof *bvh->nodes);
     rb_parallel_for(threads, top->open_count, place_step, job);
     for (uint32_t i = 0; i < bvh->ref_count; i++)
-        bvh->refs[i] = job->builder->items[i].id;
+        bvh->refs[i] = rb_sah_item_id(&job->builder->items[i]);
     return RB_OK;
 }
 
@@ -271,7 +279,7 @@ static enum rb_status build(const struct job *job, int threads)
     struct range root = range_of(job->builder, 0, bvh->ref_count, 0);
     struct range halves[2] = {root, {.box = RB_BOX_EMPTY}};
     range_split(job->builder, &root, halves); // else one leaf and an empty child
-    build_top(job->builder, halves, job->top);
+    build_top(job, halves, threads);
     enum rb_status status = assemble(job, threads);
     double area = (double)rb_box_half_area(&root.box), cost = 0;
     for (uint32_t i = 0; status == RB_OK && i < bvh->node_count; i++)

@@ -12,12 +12,13 @@
 #include <stdint.h>
 
 // "Rays" below are rays that take part: the lanes of a packet that are active. A packet that visits
-// a node for 3 of its 8 rays counts 3 nodes, 1 step, 3 active lanes and 8 possible ones.
+// a node for 3 of its 8 rays counts 3 nodes, 1 step, 3 active lanes and 8 possible ones. Where the
+// lanes are 8 boxes or primitives, the active ones are those there are.
 enum rb_counter {
     RB_COUNT_NODES,           // inner nodes visited, by rays
     RB_COUNT_BOXES,           // boxes tested, by rays: of a node's children, and a primitive's own
-    RB_COUNT_SPHERES,         // primitives tested, by rays: those whose own box the ray passes
-    RB_COUNT_TRIANGLES,       //
+    RB_COUNT_SPHERES,         // primitives tested, by rays: those whose own box the ray passes;
+    RB_COUNT_TRIANGLES,       // or all of a block of the wide tree, whose boxes come second
     RB_COUNT_CONES,           //
     RB_COUNT_PLANES,          //
     RB_COUNT_HITS,            // rays that hit something (trace)

@@ -12,6 +12,7 @@
 #include "kernels/packet_generate.h"
 #include "kernels/packet_light.h"
 #include "kernels/packet_surface.h"
+#include "kernels/stream_rays.h"
 #include "kernels/wide_single.h"
 
 #ifndef RB_STREAM
@@ -33,104 +34,6 @@ const struct rb_kernels RB_TWIN(RB_STREAM) = {
     .trace_shadow = trace_shadow,
 };
 
-enum {
-    STREAM_MAX = 4096,      // rays at a time
-    POOL = 16 * STREAM_MAX, // entries of lists; where they run out rays go on alone
-    OCTANTS = 8,
-};
-
-// A ray with what it has found, a cache line.
-struct stream_ray {
-    float o[3], inv[3], d[3];
-    uint32_t self;
-    struct rb_hit best; // shadow rays: t is where they end, prim RB_NONE unless they are occluded
-    uint32_t unused[2];
-};
-
-// What a shadow ray has found: nothing is closer.
-#define OCCLUDED ((struct rb_hit){.t = -1.0f, .prim = 0})
-
-// A node or leaf that is still to be visited by `count` rays.
-struct visit {
-    rb_wide_child child;
-    uint32_t list, count; // in the pool
-};
-
-struct stream {
-    const struct rb_world *world;
-    enum rb_sides sides;
-    uint32_t count;
-    int backward[3];  // of the octant in work
-    uint32_t deepest; // most visits that waited
-    struct stream_ray ray[STREAM_MAX];
-    uint32_t pool[POOL];         // lists: indices of rays
-    uint8_t bits[STREAM_MAX];    // children that the rays of a list reach
-    uint32_t octant[STREAM_MAX]; // OCTANTS for rays that are not valid
-    struct visit stack[RB_WIDE_STACK];
-};
-
-static inline struct rb_ray ray_of(const struct stream *stream, uint32_t index)
-{
-    const struct stream_ray *ray = &stream->ray[index];
-    return (struct rb_ray){rb_vec_of(ray->o), rb_vec_of(ray->d), rb_vec_of(ray->inv), ray->self,
-                           stream->sides};
-}
-
-// RB_LANES rays of a queue.
-struct lanes {
-    struct vvec o, d;
-    vint self, valid;
-};
-
-// The closest of `best` and the planes. Their ids ascend, so that the first of equals stays.
-static inline void meet_planes(const struct stream *stream, const struct lanes *lanes,
-                               vfloat *best_t, vint *best_prim)
-{
-    const struct rb_scene *scene = stream->world->scene;
-    for (uint32_t i = 0; i < scene->count[RB_PLANE]; i++) {
-        struct vvec n = vv_set(scene->planes[i].normal);
-        vint prim = vi_set(scene->first[RB_PLANE] + i);
-        struct rb_ray any = {.sides = stream->sides};
-        bool front = rb_sides_of(scene, &any, scene->first[RB_PLANE] + i) == RB_SIDES_FRONT;
-        vfloat facing = vv_dot(n, lanes->d);
-        vfloat t = (scene->planes[i].distance - vv_dot(n, lanes->o)) / facing;
-        vint asked = lanes->valid & (lanes->self != prim);
-        vint closer = asked & (t > 0.0f) & (t < INFINITY) & (t < *best_t);
-        if (front)
-            closer &= ~(facing > 0.0f);
-        RB_COUNT_STEP(vi_bits(asked), RB_LANES);
-        RB_COUNT_RAYS(PLANES, vi_bits(asked), 1);
-        RB_COUNT_BYTES(PRIMITIVE_BYTES, sizeof *scene->planes);
-        *best_t = vf_select(closer, t, *best_t);
-        *best_prim = vi_select(closer, prim, *best_prim);
-    }
-}
-
-// Appends rays; `best_t` and `best_prim` are what they have to beat.
-static inline void add(struct stream *stream, const struct lanes *lanes, vfloat best_t,
-                       vint best_prim)
-{
-    struct vvec inv = {wide_inverse(lanes->d.x), wide_inverse(lanes->d.y),
-                       wide_inverse(lanes->d.z)};
-    vint octant = ((inv.x < 0.0f) & 1) | ((inv.y < 0.0f) & 2) | ((inv.z < 0.0f) & 4);
-    float o[3][RB_LANES], i[3][RB_LANES], d[3][RB_LANES], t[RB_LANES];
-    uint32_t self[RB_LANES], prim[RB_LANES];
-    vf_store(o[0], lanes->o.x), vf_store(o[1], lanes->o.y), vf_store(o[2], lanes->o.z);
-    vf_store(i[0], inv.x), vf_store(i[1], inv.y), vf_store(i[2], inv.z);
-    vf_store(d[0], lanes->d.x), vf_store(d[1], lanes->d.y), vf_store(d[2], lanes->d.z);
-    vi_store(self, lanes->self), vf_store(t, best_t), vi_store(prim, best_prim);
-    vi_store(stream->octant + stream->count, vi_select(lanes->valid, octant, vi_set(OCTANTS)));
-    for (int l = 0; l < RB_LANES; l++)
-        stream->ray[stream->count + (uint32_t)l] = (struct stream_ray){
-            .o = {o[0][l], o[1][l], o[2][l]},
-            .inv = {i[0][l], i[1][l], i[2][l]},
-            .d = {d[0][l], d[1][l], d[2][l]},
-            .self = self[l],
-            .best = {t[l], 0.0f, 0.0f, prim[l]},
-        };
-    stream->count += RB_LANES;
-}
-
 // Goes on with the rays of a visit one by one.
 static void go_alone(struct stream *stream, const struct visit *visit)
 {
@@ -140,7 +43,7 @@ static void go_alone(struct stream *stream, const struct visit *visit)
         struct wide_ray ray;
         wide_ray_make(&one, &ray);
         struct rb_hit *best = &stream->ray[index].best;
-        RB_COUNT_BEGIN(index);
+        RB_COUNT_BEGIN(stream->begin + index);
         if (stream->sides != RB_SIDES_BOTH)
             *best = single_closest(stream->world, visit->child, &ray, *best);
         else if (single_any(stream->world, visit->child, &ray, best->t))
@@ -156,17 +59,12 @@ static void visit_others(struct stream *stream, const struct visit *visit)
         uint32_t index = stream->pool[visit->list + i];
         struct rb_ray ray = ray_of(stream, index);
         struct rb_hit *best = &stream->ray[index].best;
-        RB_COUNT_BEGIN(index);
+        RB_COUNT_BEGIN(stream->begin + index);
         if (stream->sides != RB_SIDES_BOTH)
             *best = leaf_one_by_one(stream->world, ids, &ray, *best);
         else if (leaf_one_by_one(stream->world, ids, &ray, RB_MISS).t < best->t)
             *best = OCCLUDED;
     }
-}
-
-static inline void splat(const struct stream_ray *ray, struct wide_ray *wide)
-{
-    wide->o = vv_set(ray->o), wide->inv = vv_set(ray->inv), wide->d = vv_set(ray->d);
 }
 
 static inline void take(const struct stream *stream, const struct wide_hits *hits,
@@ -178,30 +76,39 @@ static inline void take(const struct stream *stream, const struct wide_hits *hit
         *best = OCCLUDED;
 }
 
-// What the two loops over the rays of a leaf have in common.
-#define FOR_EACH_RAY(stream, visit, ray, best, test)                                               \
-    for (uint32_t i = 0; i < (visit)->count; i++) {                                                \
-        uint32_t index = (stream)->pool[(visit)->list + i];                                        \
-        struct rb_ray one = {.self = (stream)->ray[index].self, .sides = (stream)->sides};         \
-        struct wide_ray ray = {.one = &one};                                                       \
-        splat(&(stream)->ray[index], &ray);                                                        \
-        struct wide_hits hits = test;                                                              \
-        take(stream, &hits, &(stream)->ray[index].best);                                           \
-    }
-
-static void visit_spheres(struct stream *stream, const struct visit *visit, int lane)
+// The rays of a visit against part of a block, which stays in registers.
+RB_INLINE void visit_part(struct stream *stream, const struct visit *visit, int lane,
+                          enum rb_wide_kind kind)
 {
+    const struct rb_wide *wide = stream->world->wide;
     uint32_t block = rb_wide_index_of(visit->child);
-    struct wide_spheres spheres = wide_spheres_load(&stream->world->wide->spheres[block], lane);
-    FOR_EACH_RAY(stream, visit, ray, best, wide_spheres_hit(&spheres, &ray))
+    struct wide_spheres spheres;
+    struct wide_triangles triangles;
+    if (kind == RB_WIDE_SPHERES)
+        spheres = wide_spheres_load(&wide->spheres[block], lane);
+    else
+        triangles = wide_triangles_load(&wide->triangles[block], lane);
+    for (uint32_t i = 0; i < visit->count; i++) {
+        struct stream_ray *from = &stream->ray[stream->pool[visit->list + i]];
+        struct rb_ray one = {.self = from->self, .sides = stream->sides};
+        struct wide_ray ray = {
+            .o = vv_set(from->o), .inv = vv_set(from->inv), .d = vv_set(from->d), .one = &one};
+        struct wide_hits hits = kind == RB_WIDE_SPHERES ? wide_spheres_hit(&spheres, &ray)
+                                                        : wide_triangles_hit(&triangles, &ray);
+        take(stream, &hits, &from->best);
+    }
 }
 
-static void visit_triangles(struct stream *stream, const struct visit *visit, int lane)
+static void visit_spheres(struct stream *stream, const struct visit *visit)
 {
-    uint32_t block = rb_wide_index_of(visit->child);
-    struct wide_triangles triangles =
-        wide_triangles_load(&stream->world->wide->triangles[block], lane);
-    FOR_EACH_RAY(stream, visit, ray, best, wide_triangles_hit(&triangles, &ray))
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
+        visit_part(stream, visit, lane, RB_WIDE_SPHERES);
+}
+
+static void visit_triangles(struct stream *stream, const struct visit *visit)
+{
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
+        visit_part(stream, visit, lane, RB_WIDE_TRIANGLES);
 }
 
 static void visit_leaf(struct stream *stream, const struct visit *visit)
@@ -211,10 +118,12 @@ static void visit_leaf(struct stream *stream, const struct visit *visit)
         visit_others(stream, visit);
         return;
     }
-    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
-        (kind == RB_WIDE_SPHERES ? visit_spheres : visit_triangles)(stream, visit, lane);
+    if (kind == RB_WIDE_SPHERES)
+        visit_spheres(stream, visit);
+    else
+        visit_triangles(stream, visit);
     for (uint32_t i = 0; RB_COUNTS && i < visit->count; i++) {
-        RB_COUNT_BEGIN(stream->pool[visit->list + i]);
+        RB_COUNT_BEGIN(stream->begin + stream->pool[visit->list + i]);
         RB_COUNT(count_leaf(stream->world->wide, visit->child));
     }
 }
@@ -264,7 +173,7 @@ static void test_node(struct stream *stream, const struct rb_wide_node *node,
             sum[part] += (vfloat)((vint)from & hit);
         }
         stream->bits[i] = (uint8_t)bits;
-        RB_COUNT_BEGIN(index);
+        RB_COUNT_BEGIN(stream->begin + index);
         RB_COUNT_STEP((1u << node->count) - 1, RB_WIDE);
         RB_COUNT_RAYS(NODES, 1, 1);
         RB_COUNT_RAYS(BOXES, 1, node->count);
@@ -345,11 +254,10 @@ static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint3
         uint32_t end = visit.list + visit.count, top = end > floor ? end : floor;
         if (rb_wide_kind_of(visit.child) != RB_WIDE_NODE)
             visit_leaf(stream, &visit);
-        else if (visit.count < 1 || POOL - top < RB_WIDE * (visit.count + 1))
+        else if (POOL - top < RB_WIDE * (visit.count + 1))
             go_alone(stream, &visit);
         else
             depth = visit_node(stream, &visit, top, depth);
-        stream->deepest = (uint32_t)depth > stream->deepest ? (uint32_t)depth : stream->deepest;
     }
 }
 
@@ -377,29 +285,17 @@ static void run(struct stream *stream)
 
 static void trace(const struct rb_world *world, const struct rb_rays *rays, struct rb_hits *hits)
 {
+    struct source source = {rays->ox, rays->oy, rays->oz,   rays->dx, rays->dy,
+                            rays->dz, NULL,     rays->self, 0,        rays->count};
     struct stream stream;
     stream.world = world;
     stream.sides = world->one_sided ? RB_SIDES_FRONT : RB_SIDES_VISIBLE;
-    for (uint32_t begin = 0; begin < rays->count; begin += STREAM_MAX) {
-        uint32_t count = rays->count - begin < STREAM_MAX ? rays->count - begin : STREAM_MAX;
-        stream.count = 0;
-        for (uint32_t i = begin; i < begin + count; i += RB_LANES) {
-            struct lanes lanes = {
-                .o = {vf_load(rays->ox + i), vf_load(rays->oy + i), vf_load(rays->oz + i)},
-                .d = {vf_load(rays->dx + i), vf_load(rays->dy + i), vf_load(rays->dz + i)},
-                .self = vi_load(rays->self + i),
-            };
-            lanes.valid = vi_first(rays->count - i) & vv_finite(lanes.o) & vv_finite(lanes.d);
-            vfloat t = vf_set(INFINITY);
-            vint prim = vi_set(RB_NONE);
-            RB_COUNT_BEGIN(i);
-            meet_planes(&stream, &lanes, &t, &prim);
-            add(&stream, &lanes, t, prim);
-        }
+    for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream_fill(&stream, &source);
         run(&stream);
-        for (uint32_t i = 0; i < count; i++) {
-            rb_hit_store(hits, begin + i, &stream.ray[i].best);
-            RB_COUNT_BEGIN(begin + i);
+        for (uint32_t i = 0; i < stream.count; i++) {
+            rb_hit_store(hits, source.begin + i, &stream.ray[i].best);
+            RB_COUNT_BEGIN(source.begin + i);
             RB_COUNT_RAYS(HITS, stream.ray[i].best.prim != RB_NONE, 1);
         }
     }
@@ -407,30 +303,19 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
 
 static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadows)
 {
+    struct source source = {shadows->ox, shadows->oy,   shadows->oz,       shadows->dx,
+                            shadows->dy, shadows->dz,   shadows->distance, shadows->self,
+                            0,           shadows->count};
     struct stream stream;
     stream.world = world;
     stream.sides = RB_SIDES_BOTH;
-    for (uint32_t begin = 0; begin < shadows->count; begin += STREAM_MAX) {
-        uint32_t count = shadows->count - begin < STREAM_MAX ? shadows->count - begin : STREAM_MAX;
-        stream.count = 0;
-        for (uint32_t i = begin; i < begin + count; i += RB_LANES) {
-            struct lanes lanes = {
-                .o = {vf_load(shadows->ox + i), vf_load(shadows->oy + i), vf_load(shadows->oz + i)},
-                .d = {vf_load(shadows->dx + i), vf_load(shadows->dy + i), vf_load(shadows->dz + i)},
-                .self = vi_load(shadows->self + i),
-            };
-            lanes.valid = vi_first(shadows->count - i) & vv_finite(lanes.o) & vv_finite(lanes.d);
-            vfloat t = vf_load(shadows->distance + i);
-            vint prim = vi_set(RB_NONE);
-            RB_COUNT_BEGIN(i);
-            meet_planes(&stream, &lanes, &t, &prim);
-            add(&stream, &lanes, vf_select(prim == vi_set(RB_NONE), t, vf_set(-1.0f)), prim);
-        }
+    for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream_fill(&stream, &source);
         run(&stream);
-        for (uint32_t i = 0; i < count; i++) {
-            shadows->occluded[begin + i] = stream.ray[i].best.prim != RB_NONE;
-            RB_COUNT_BEGIN(begin + i);
-            RB_COUNT_RAYS(OCCLUDED, shadows->occluded[begin + i], 1);
+        for (uint32_t i = 0; i < stream.count; i++) {
+            shadows->occluded[source.begin + i] = stream.ray[i].best.prim != RB_NONE;
+            RB_COUNT_BEGIN(source.begin + i);
+            RB_COUNT_RAYS(OCCLUDED, shadows->occluded[source.begin + i], 1);
         }
     }
 }
