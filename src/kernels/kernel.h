@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 struct rb_bvh;
+struct rb_embree;
 
 // Arrays of all queues are rounded up to this many elements, the widest SIMD register there is in
 // single precision, so that a kernel may read and write whole registers.
@@ -116,6 +117,7 @@ struct rb_shading {
 struct rb_world {
     const struct rb_scene *scene;
     const struct rb_bvh *bvh;
+    const struct rb_embree *embree; // as `bvh`
     bool one_sided; // opaque surfaces are hit from their front only (SPD's rule)
 };
 

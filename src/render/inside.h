@@ -10,6 +10,8 @@ struct rb_renderer {
     struct rb_frame frame;
     struct rb_worker *workers;
     struct rb_bvh bvh;
+    struct rb_embree *embree;
+    size_t embree_bytes;
     uint64_t build_ns;
 };
 

@@ -4,6 +4,7 @@
 #include "base/fpenv.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "embree/embree.h"
 #include "render/frame.h"
 #include "render/inside.h"
 
@@ -19,10 +20,27 @@ static int worker_count(const struct rb_renderer *renderer)
     return tiles < (uint32_t)threads ? (int)tiles : threads;
 }
 
+// Embree takes its own time, without the copies it wants of the scene.
+static enum rb_status build_embree(struct rb_renderer *renderer, struct rb_error *error)
+{
+    struct rb_embree_cost cost = {0};
+    if (renderer->frame.settings.spd)
+        return rb_error_set(error, RB_INVALID, "Embree does not know SPD's one-sided surfaces");
+    enum rb_status status =
+        rb_embree_build(renderer->frame.world.scene, renderer->variant->embree,
+                        worker_count(renderer), &renderer->embree, &cost, error);
+    renderer->build_ns = cost.build_ns;
+    renderer->embree_bytes = cost.bytes;
+    renderer->frame.world.embree = renderer->embree;
+    return status;
+}
+
 static enum rb_status build_accelerator(struct rb_renderer *renderer, struct rb_error *error)
 {
     if (renderer->variant->accelerator == RB_ACCEL_NONE)
         return RB_OK;
+    if (renderer->variant->accelerator == RB_ACCEL_EMBREE)
+        return build_embree(renderer, error);
     uint64_t start_ns = rb_clock_ns();
     enum rb_status status =
         rb_bvh_build(renderer->frame.world.scene, worker_count(renderer), &renderer->bvh, error);
@@ -106,6 +124,7 @@ void rb_renderer_free(struct rb_renderer *renderer)
     rb_free(renderer->workers);
     rb_free(renderer->frame.film.rgb);
     rb_bvh_free(&renderer->bvh);
+    rb_embree_free(renderer->embree);
     rb_free(renderer);
 }
 
@@ -213,5 +232,5 @@ uint64_t rb_renderer_build_ns(const struct rb_renderer *renderer)
 
 size_t rb_renderer_tree_bytes(const struct rb_renderer *renderer)
 {
-    return renderer->bvh.bytes;
+    return renderer->bvh.bytes + renderer->embree_bytes;
 }

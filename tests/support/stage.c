@@ -23,7 +23,7 @@ static void prepare(struct stage *stage)
     stage_check(rb_bvh_build(&stage->scene, 1, &stage->bvh, &stage_failure));
     if (!ref_world_build(&stage->scene, &stage->reference))
         stage_give_up("no memory");
-    stage->world = (struct rb_world){&stage->scene, &stage->bvh, false};
+    stage->world = (struct rb_world){.scene = &stage->scene, .bvh = &stage->bvh};
 }
 
 void stage_build(struct stage *stage, struct rb_scene_builder *builder)

@@ -118,7 +118,7 @@ static void add_glass(struct rb_scene_builder *builder, double ior)
 static void finish(struct rb_scene_builder *builder, struct stage *stage)
 {
     check(rb_scene_finish(builder, &stage->scene, &failure));
-    stage->world = (struct rb_world){&stage->scene, NULL, false};
+    stage->world = (struct rb_world){.scene = &stage->scene};
 }
 
 // One ray, followed through one hit: its refracted child is in the queue of bounce 1 afterwards.
