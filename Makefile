@@ -80,7 +80,7 @@ PLANS    := $(sort $(wildcard bench/plans/*.plan))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench explain table simulate selftest overhead test unit exact check fuzz setup install clean help force
+.PHONY: all bench explain table simulate versus selftest overhead test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -101,6 +101,10 @@ table: all
 SCENE    ?= balls_high
 simulate: all
 	$(B)/raybench simulate $(SCENE) $(if $(VARIANT),--variant $(VARIANT)) $(SIMULATE)
+
+## versus: our best rows against Embree's best modes, half an hour (VERSUS="balls_high --budget 1m")
+versus: all
+	$(B)/raybench versus $(VERSUS)
 
 ## selftest: verdicts on the program against itself, and on known slow-downs; three minutes
 selftest: all

@@ -113,11 +113,11 @@ struct rb_shading {
     float at[3]; // soft lights face this point
 };
 
-// What rays are traced in. `bvh` is what the row's accelerator built, or NULL.
+// What rays are traced in. `bvh` or `embree` is what the row's accelerator built, the others NULL.
 struct rb_world {
     const struct rb_scene *scene;
     const struct rb_bvh *bvh;
-    const struct rb_embree *embree; // as `bvh`
+    const struct rb_embree *embree;
     bool one_sided; // opaque surfaces are hit from their front only (SPD's rule)
 };
 

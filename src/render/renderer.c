@@ -128,6 +128,17 @@ void rb_renderer_free(struct rb_renderer *renderer)
     rb_free(renderer);
 }
 
+bool rb_renderer_take_row(struct rb_renderer *renderer, const struct rb_variant *row)
+{
+    const struct rb_variant *now = renderer->variant;
+    if (!row->kernels || row->accelerator != now->accelerator || row->embree != now->embree ||
+        rb_variant_parallel(row) || rb_variant_parallel(now))
+        return false;
+    renderer->variant = row;
+    renderer->frame.kernels = row->kernels;
+    return true;
+}
+
 float rb_film_value(const struct rb_frame *frame, size_t index)
 {
     double samples = (double)(frame->view.aa * frame->view.aa);
