@@ -85,7 +85,7 @@ static bool tell_rate(const struct rb_cell *cell, const struct rb_place *place)
 
 void rb_explain_print_rates(const struct rb_plan *plan)
 {
-    double low = INFINITY, high = 0;
+    double low = (double)INFINITY, high = 0;
     int strange = 0;
     printf("\n");
     for (int i = 0; i < plan->cell_count; i++)

@@ -99,8 +99,9 @@ struct rb_record {
 };
 
 // Reads a file. With `choice` NULL no batch is kept, but everything is read and its checksum held
-// against it; else what is not chosen is skipped. Memory: the batches kept. RB_INVALID for anything
-// that is not such a file, whole and undamaged; RB_FAILED if it cannot be read or memory is short.
+// against it; else what is not chosen is skipped. Memory: the batches kept. RB_INVALID for what
+// cannot be opened or is not such a file, whole and undamaged; RB_FAILED if reading fails or memory
+// is short.
 enum rb_status rb_record_read(const char *path, const struct rb_record_choice *choice,
                               struct rb_record *record, struct rb_error *error);
 void rb_record_free(struct rb_record *record);

@@ -50,8 +50,8 @@ static enum rb_status read_header(struct reader *reader)
         return status;
     if (size != sizeof bytes || !rb_record_header_fields(bytes, false, header) ||
         !memchr(header->scene, 0, sizeof header->scene) ||
-        !memchr(header->row, 0, sizeof header->row))
-        return damaged(reader);
+        !memchr(header->row, 0, sizeof header->row) || strcmp(header->scene, "-") == 0)
+        return damaged(reader); // standard input is never recorded, and must not be waited for
     return RB_OK;
 }
 

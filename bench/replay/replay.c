@@ -8,6 +8,7 @@
 #include "bench/replay/source.h"
 #include "bench/run/process.h"
 #include "bench/run/reference.h"
+#include "bench/run/simulate_cell.h"
 #include "cli/commands.h"
 #include "measure/affinity.h"
 
@@ -53,8 +54,7 @@ const struct rb_command rb_command_replay = {
             "turn; their ratio is that of neighbours in time.",
     .positional_min = 1,
     .positional_max = 1,
-    .groups =
-        (const struct rb_option *const[]){options, rb_options_choice, rb_options_variant, NULL},
+    .groups = (const struct rb_option *const[]){options, rb_options_choice, NULL},
     .run = run,
 };
 
@@ -110,8 +110,10 @@ static bool keep_sample(void *user, const struct rb_sample *sample)
     return sample->mismatch || rb_cell_add(user, sample);
 }
 
-// Runs the next process of a cell; workers that replay say themselves what is not as recorded.
-static void run_process(struct rb_cell *cell, const struct rb_worker_words *words, const char *what)
+// Runs the next process of a cell, `what` in words. Workers that replay say themselves what is not
+// as recorded.
+static void run_process(struct rb_cell *cell, const struct rb_worker_words *words, bool replays,
+                        const char *what)
 {
     struct rb_error error = {0}, told = {0};
     enum rb_status status =
@@ -123,7 +125,7 @@ static void run_process(struct rb_cell *cell, const struct rb_worker_words *word
         cell->state = status == RB_INVALID ? RB_CELL_INVALID : RB_CELL_CRASHED;
     if (status == RB_FAILED)
         rb_error_set(&told, status, "%s: %.300s", what, error.text);
-    else if (status == RB_INVALID && strcmp(what, "frames in place") == 0)
+    else if (status == RB_INVALID && !replays)
         rb_error_set(&told, status, "%s: image or hits are not those of the record", what);
     if (told.text[0])
         rb_report(status, &told);
@@ -154,7 +156,7 @@ static void run_turn(struct rb_replay_run *run, const struct rb_arguments *argum
     if (!arguments->quiet && isatty(STDERR_FILENO))
         fprintf(stderr, "\rprocess %d of %d: %s\033[K\r", round + 1, process_count(arguments),
                 what);
-    run_process(cell, &words, what);
+    run_process(cell, &words, unit != NULL, what);
 }
 
 static void run_rounds(struct rb_replay_run *run, const struct rb_arguments *arguments)
@@ -206,6 +208,9 @@ static enum rb_status prepare(struct rb_replay_run *run, const struct rb_variant
         return rb_error_set(error, RB_INVALID,
                             "variant %s needs %s, which this machine or build has not",
                             variant->name, variant->needs);
+    if (strlen(run->path) >= RB_WORKER_WORD_MAX)
+        return rb_error_set(error, RB_INVALID, "the name of the file is longer than %d bytes",
+                            RB_WORKER_WORD_MAX - 1);
     enum rb_status status = rb_choice_parse(arguments, &kernel, &ray_class, &bounce, error);
     if (status == RB_OK)
         status = rb_process_self(run->program, sizeof run->program, error);
@@ -289,6 +294,8 @@ static int measure(struct rb_replay_run *run, const struct rb_arguments *argumen
     struct rb_error error = {0};
     struct rb_scene scene;
     mode_fn *mode = find_mode(arguments->bench.mode);
+    if (mode == rb_replay_simulate)
+        rb_simulate_mask();
     const struct rb_variant *variant = mode ? rb_replay_variant(arguments) : NULL;
     if (!variant)
         return RB_INVALID;

@@ -1,5 +1,6 @@
 #include "bench/replay/replay_evidence.h"
 
+#include "bench/explain/count_table.h"
 #include "bench/explain/simulate_table.h"
 #include "bench/replay/source.h"
 #include "bench/run/simulate_cell.h"
@@ -10,43 +11,37 @@
 #include <stdio.h>
 #include <string.h>
 
-// Counters that counted anything, per ray.
-static void print_counts(const struct rb_replay_unit *unit, const struct rb_counts *counts)
+// Is the unit the last one of its class?
+static bool ends_class(const struct rb_replay_run *run, int index)
 {
-    printf("  %-10s %-12s %6d %9" PRIu64 " ", rb_ray_class_names[unit->choice.ray_class],
-           rb_stage_names[unit->choice.kernel], unit->choice.bounce, unit->rays);
-    for (int c = 0; c < RB_COUNTER_COUNT; c++)
-        if (counts->of[c])
-            printf(" %s %.4g", rb_counter_names[c], (double)counts->of[c] / (double)unit->rays);
-    printf("\n");
+    return index + 1 == run->unit_count ||
+           run->units[index + 1].choice.ray_class != run->units[index].choice.ray_class;
 }
 
+// Adds what a unit counts to the class's table.
 static int count_unit(const struct rb_replay_run *run, const struct rb_replay_unit *unit,
-                      const struct rb_arguments *arguments)
+                      const struct rb_arguments *arguments, struct rb_counted *counted)
 {
-    static struct rb_count_table table;
     struct rb_replay_source source;
     struct rb_run_result result;
+    struct rb_error error = {0};
     int code = rb_replay_source_open(run->path, &unit->choice, arguments, &source);
     if (code)
         return code;
-    struct rb_error error = {0};
+    const struct rb_run_options how = {.replay = &source.replay, .counts = &counted->table};
     enum rb_status status =
         rb_replay_verify(source.renderer, &source.replay, 0, source.replay.count, &error);
-    table = (struct rb_count_table){0};
-    const struct rb_run_options how = {.replay = &source.replay, .counts = &table};
     if (status == RB_OK)
         rb_renderer_run(source.renderer, &how, &result);
     rb_replay_source_close(&source);
+    counted->sample.stage[unit->choice.kernel][unit->choice.bounce].rays = unit->rays;
     snprintf(error.file, sizeof error.file, "%.255s", run->path);
-    if (status)
-        return rb_report(status, &error);
-    print_counts(unit, &table.at[unit->choice.kernel][unit->choice.bounce]);
-    return RB_OK;
+    return status ? rb_report(status, &error) : 0;
 }
 
 int rb_replay_count(struct rb_replay_run *run, const struct rb_arguments *arguments)
 {
+    static struct rb_counted counted[RB_CLASS_COUNT];
     struct rb_error error = {0};
     const struct rb_variant *variant = run->in_place.variant;
     int code = RB_OK;
@@ -54,9 +49,19 @@ int rb_replay_count(struct rb_replay_run *run, const struct rb_arguments *argume
         rb_error_set(&error, RB_INVALID, "%s has no kernels that count", variant->name);
         return rb_report(RB_INVALID, &error);
     }
-    printf("\n  %-10s %-12s %6s %9s  counts per ray\n", "class", "kernel", "bounce", "rays");
-    for (int i = 0; i < run->unit_count && code == RB_OK; i++)
-        code = count_unit(run, &run->units[i], arguments);
+    for (int i = 0; i < run->unit_count && code == RB_OK; i++) {
+        const struct rb_replay_unit *unit = &run->units[i];
+        enum rb_ray_class ray_class = unit->choice.ray_class;
+        code = count_unit(run, unit, arguments, &counted[ray_class]);
+        if (code == RB_OK && ends_class(run, i)) {
+            struct rb_cell cell = {
+                .variant = variant, .reference = &run->reference, .counted = &counted[ray_class]};
+            printf("\nrays of class %s", rb_ray_class_names[ray_class]);
+            rb_count_table_print(&cell);
+        }
+    }
+    if (code == RB_OK)
+        rb_count_table_print_notes();
     return code;
 }
 
@@ -96,7 +101,7 @@ static enum rb_status simulate_unit(const struct rb_replay_run *run,
 
 int rb_replay_simulate(struct rb_replay_run *run, const struct rb_arguments *arguments)
 {
-    static struct rb_simulated all;
+    static struct rb_simulated simulated[RB_CLASS_COUNT];
     struct rb_error error = {0};
     struct rb_caches caches;
     const char *refusal = rb_simulate_refusal(run->in_place.variant);
@@ -107,19 +112,15 @@ int rb_replay_simulate(struct rb_replay_run *run, const struct rb_arguments *arg
         status = rb_caches_choose("", arguments->bench.l1, arguments->bench.ll, &caches, &error);
     if (status == RB_OK)
         rb_simulate_print_caches(&caches);
-    for (int c = 0; c < RB_CLASS_COUNT && status == RB_OK; c++) {
-        bool any = false;
-        all = (struct rb_simulated){.tiles = 0};
-        for (int i = 0; i < run->unit_count && status == RB_OK; i++)
-            if ((int)run->units[i].choice.ray_class == c) {
-                status = simulate_unit(run, &run->units[i], &caches, &all, &error);
-                any = true;
-            }
-        if (any && status == RB_OK) {
-            printf("\nrays of class %s", rb_ray_class_names[c]);
-            run->in_place.simulated = &all;
-            rb_simulate_print(&run->in_place);
-            run->in_place.simulated = NULL;
+    for (int i = 0; i < run->unit_count && status == RB_OK; i++) {
+        const struct rb_replay_unit *unit = &run->units[i];
+        enum rb_ray_class ray_class = unit->choice.ray_class;
+        status = simulate_unit(run, unit, &caches, &simulated[ray_class], &error);
+        if (status == RB_OK && ends_class(run, i)) {
+            struct rb_cell cell = {.reference = &run->reference,
+                                   .simulated = &simulated[ray_class]};
+            printf("\nrays of class %s", rb_ray_class_names[ray_class]);
+            rb_simulate_print(&cell);
             printf("  share is that of the batches which were simulated, not of a frame\n");
         }
     }

@@ -32,8 +32,7 @@ const struct rb_command rb_command_replay_worker = {
     .text = "Writes binary records to a pipe, for raybench replay.",
     .positional_min = 1,
     .positional_max = 1,
-    .groups =
-        (const struct rb_option *const[]){options, rb_options_choice, rb_options_variant, NULL},
+    .groups = (const struct rb_option *const[]){options, rb_options_choice, NULL},
     .run = run,
     .hidden = true,
 };

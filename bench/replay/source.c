@@ -1,6 +1,5 @@
 #include "bench/replay/source.h"
 
-#include "bench/run/simulate_cell.h"
 #include "cli/commands.h"
 
 #include <inttypes.h>
@@ -14,8 +13,8 @@ const struct rb_option rb_options_choice[] = {
      "kernel to run; default all four"},
     {"--bounce", "N", RB_OPTION_INT, BENCH(bounce), 0, RB_BOUNCE_MAX - 1,
      "bounce whose rays it gets; default all, one after the other"},
-    {"--class", "image|diffuse|reflection|refraction|shadow|all", RB_OPTION_TEXT, BENCH(classes), 0,
-     0, "rays it gets; default image"},
+    {"--class", "CLASS", RB_OPTION_TEXT, BENCH(classes), 0, 0,
+     "rays it gets: image, diffuse, reflection, refraction, shadow, or all; default image"},
     {"--variant", "VARIANT", RB_OPTION_TEXT, offsetof(struct rb_arguments, variant), 0, 0,
      "serial row whose kernels run; default: the fastest available"},
     {.name = NULL},
@@ -24,12 +23,10 @@ const struct rb_option rb_options_choice[] = {
 const struct rb_variant *rb_replay_variant(const struct rb_arguments *arguments)
 {
     const struct rb_variant *fastest = NULL;
-    bool simulated = arguments->bench.mode && strcmp(arguments->bench.mode, "simulate") == 0;
     if (arguments->variant)
         return rb_open_variant(arguments);
     for (const struct rb_variant *row = rb_variants; row->name; row++)
-        if (row->exact && !row->best_of && !rb_variant_parallel(row) && rb_variant_available(row) &&
-            !(simulated && rb_simulate_refusal(row)))
+        if (row->exact && !row->best_of && !rb_variant_parallel(row) && rb_variant_available(row))
             fastest = row;
     return fastest;
 }

@@ -11,8 +11,7 @@
 // and its worker processes.
 extern const struct rb_option rb_options_choice[];
 
-// The row asked for, or the fastest serial one, of those that can be simulated if that is wanted.
-// NULL after reporting an unknown name.
+// The row asked for, or the fastest serial one. NULL after reporting an unknown name.
 const struct rb_variant *rb_replay_variant(const struct rb_arguments *arguments);
 
 // Parses the others. *kernel is -1 and *ray_class RB_CLASS_COUNT for all there are; *bounce is -1.

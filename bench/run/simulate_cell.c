@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "bench/run/process.h"
 #include "bench/run/reference.h"
+#include "bench/run/simulate_sample.h"
 #include "bench/run/tiles.h"
 #include "bench/simulate/simulate.h"
 
@@ -124,19 +125,25 @@ enum rb_status rb_simulate_cell(struct rb_cell *cell, const char *program, uint3
 {
     struct rb_worker_words words = {.count = 0};
     struct rb_settings settings = cell->settings;
-    struct rb_simulated *simulated = rb_alloc(1, sizeof *simulated);
-    if (!simulated)
-        return rb_error_memory(error, "the simulation");
+    uint64_t seed;
     settings.tile = tile_edge(cell);
     uint32_t all =
         tiles_across(settings.width, settings.tile) * tiles_across(settings.height, settings.tile);
     tiles = tiles ? tiles : choose_tiles(cell, all);
+    tiles = tiles < all ? tiles : all;
+    enum rb_status status = rb_simulate_choose_sample(cell, &settings, tiles, &seed, error);
+    if (status)
+        return status;
+    struct rb_simulated *simulated = rb_alloc(1, sizeof *simulated);
+    if (!simulated)
+        return rb_error_memory(error, "the simulation");
     rb_reference_words(&settings, program, cell->variant, &words);
     rb_worker_word(&words, "--cpu=-1");
     rb_worker_word(&words, "--simulate-tiles=%u", tiles);
+    rb_worker_word(&words, "--simulate-sample=%llu", (unsigned long long)seed);
     rb_reference_scene_word(cell->reference, &words);
-    enum rb_status status = run_both(&words, caches, simulated, error);
-    simulated->tiles = tiles < all ? tiles : all;
+    status = run_both(&words, caches, simulated, error);
+    simulated->tiles = tiles;
     simulated->all_tiles = all;
     simulated->tile = settings.tile;
     rb_free(status ? simulated : cell->simulated);

@@ -25,6 +25,8 @@ static const struct rb_option options[] = {
      "render a random group of so many small tiles, the process's own, instead of frames"},
     {"--simulate-tiles", "N", RB_OPTION_INT, BENCH(simulate_tiles), 0, 1e9,
      "render so many tiles twice, the second time as laps of a simulator"},
+    {"--simulate-sample", "N", RB_OPTION_INT, BENCH(simulate_sample), 0, 1e9,
+     "which tiles: seed of rb_tiles_runs"},
     {"--count", NULL, RB_OPTION_FLAG, BENCH(count), 0, 0,
      "render once with the kernels that count; their counts follow the sample"},
     {"--quiet", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, quiet), 0, 0, "no warnings"},
@@ -118,9 +120,10 @@ static enum rb_status run_simulated(struct worker *worker, struct rb_error *erro
     struct rb_repeater *repeater = &worker->repeater;
     struct rb_run_result result;
     const struct rb_arguments *arguments = worker->arguments;
-    enum rb_status status = rb_tiles_runs(
-        &worker->tiles, rb_renderer_tile_count(repeater->renderer),
-        (uint32_t)arguments->bench.simulate_tiles, arguments->settings.seed, &repeater->how, error);
+    enum rb_status status =
+        rb_tiles_runs(&worker->tiles, rb_renderer_tile_count(repeater->renderer),
+                      (uint32_t)arguments->bench.simulate_tiles,
+                      (uint64_t)arguments->bench.simulate_sample, &repeater->how, error);
     if (status)
         return status;
     repeater->how.hash_hits = true;

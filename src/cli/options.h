@@ -35,7 +35,7 @@ struct rb_bench_arguments {
     bool count;
     const char *heatmap, *picture; // of it
     const char *l1, *ll;           // of a simulation, as the next one
-    int simulate_tiles;
+    int simulate_tiles, simulate_sample;
 };
 
 // Everything any command can be told. Zero or NULL means not given.

@@ -70,8 +70,8 @@ done
 
     check 'what kernels do is counted' exits 0 replay "$rays" --variant bvh --mode count
     cp "$tmp/out" "$tmp/counts"
-    check 'for all of them' [ "$(grep -cE '^  image .* steps [0-9.]+' "$tmp/counts")" = \
-        $((1 + 2 * bounces + shadows)) ]
+    lines=$(grep -cE '^  (generate|trace|shade|trace_shadow) ' "$tmp/counts")
+    check 'for all of them' [ "$lines" = $((1 + 2 * bounces + shadows)) ]
     check 'and again' exits 0 replay "$rays" --variant bvh --mode count
     check 'with the same counts' cmp -s "$tmp/out" "$tmp/counts"
     check 'an unknown mode' complains 2 'there are time, count, simulate' replay "$rays" --mode perf

@@ -58,6 +58,14 @@ check 'they are in kernels.csv, with their source' [ "$(awk -F, \
         print ($ir > 0), $stall, $source, $model, $rays
     }' "$csv")" = '1  sim model:callgrind 1024' ]
 
+# The tiles that are simulated have their share of the reflected rays, within a third.
+check 'a sample of a frame' exits 0 simulate balls4 --size 256x256 --tile 16 --tiles 8 --quiet \
+    --variant bvh --out "$tmp/results"
+check 'is like the frame' [ "$(awk -F, -v rays="$(column simulated_rays)" '
+    $8 == "bvh" && $10 == "trace" && $11 == 1 {
+        share = 256 / 8 * $rays / $12; print (share > 0.75 && share < 1.33)
+    }' "$csv")" = 1 ]
+
 # Caches.
 misses() { awk '$1 == "trace" && $2 == 0 { print int(1000 * $'"$1"') }' "$tmp/out"; }
 check 'a tiny L1' exits 0 simulate balls4 $small --variant bvh --l1 1K,1 --ll 64K,16
@@ -87,13 +95,35 @@ check 'threads' complains 2 'bvh.omp is not simulated.*without .omp' \
 check 'are left out among others' exits 0 simulate balls_low $small --variants bvh,bvh+omp
 check 'an unknown row' complains 2 'no variant matches' simulate balls_low $small --variant nix
 
+# A simulator that does not do what it should: LINE is the script in its place.
+mkdir "$tmp/folder" "$tmp/bin"
+pretend() {
+    printf '#!/bin/sh\nfor word; do case $word in *out-file=*) out=${word#*=} ;; esac; done\n%s\n' \
+        "$1" >"$tmp/bin/valgrind.bin"
+    chmod +x "$tmp/bin/valgrind.bin"
+    PATH=$tmp/bin:$PATH TMPDIR=$tmp/folder "$raybench" simulate balls_low $small --variant bvh \
+        >"$tmp/out" 2>"$tmp/err"
+}
+pretend 'echo "it broke" >&2; exit 3'
+check 'a simulator that fails' [ $? = 1 ]
+check 'says why' grep -q 'failed with code 3: it broke' "$tmp/err"
+pretend 'exit 0'
+check 'a simulator that writes nothing' [ $? = 1 ]
+pretend 'echo "part: 1" >"$out"'
+check 'or not all' [ $? = 1 ]
+check 'has no numbers' grep -q 'record is cut short' "$tmp/err"
+pretend 'printf "desc: Trigger: Client Request: end hits=1 row=bvh\n" >"$out"
+printf "events: Ir Dr Dw I1mr D1mr D1mw ILmr DLmr DLmw Bc Bcm Bi Bim\ntotals: 0\n" >>"$out"'
+check 'nor has one that does other work' [ $? = 2 ]
+check 'which is told' grep -q 'not those of a native run' "$tmp/err"
+check 'no temporary file' [ -z "$(ls -A "$tmp/folder")" ]
+
 # Nothing is left behind, whatever happens.
-mkdir "$tmp/folder"
-check 'naive, too' env TMPDIR="$tmp/folder" "$raybench" simulate balls_low $small --variant naive \
-    >"$tmp/out"
+export TMPDIR="$tmp/folder"
+check 'naive, too' exits 0 simulate balls_low $small --variant naive
 check 'on tiles of its own size' grep -q 'tiles of 16 x 16' "$tmp/out"
 check 'no temporary file' [ -z "$(ls -A "$tmp/folder")" ]
-TMPDIR="$tmp/folder" "$raybench" simulate balls4 --variant bvh --quiet --out "$tmp/results" \
+"$raybench" simulate balls4 --variant bvh --quiet --out "$tmp/results" \
     >"$tmp/out" 2>"$tmp/err" &
 pid=$!
 i=0

@@ -173,6 +173,12 @@ static void check_mistakes(void)
     fclose(file);
     ok(read_all(&record, &error) == RB_INVALID && strstr(error.text, "not a file of rays"),
        "another kind of file: %s", error.text);
+    const struct rb_record_header header = {.scene = "-", .row = "bvh"};
+    struct rb_record_writer writer;
+    ok(rb_record_create(&writer, path, &header, &error) == RB_OK &&
+           rb_record_finish(&writer, 0, 0, &error) == RB_OK &&
+           read_all(&record, &error) == RB_INVALID,
+       "a scene from standard input: %s", error.text);
     error = (struct rb_error){0};
     ok(rb_record_read("/", NULL, &record, &error) == RB_FAILED, "a folder: %s", error.text);
     ok(rb_record_read("/none/such", NULL, &record, &error) == RB_INVALID, "nothing: %s",
