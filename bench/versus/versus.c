@@ -21,7 +21,9 @@ static int run(const struct rb_arguments *arguments);
 
 static const struct rb_option options[] = {
     {"--budget", "TIME", RB_OPTION_TIME, offsetof(struct rb_arguments, budget_s), 1, 1e6,
-     "time for everything, about, shared among the scenes; default: 0.5 s a process"},
+     "time for everything, about, shared among the scenes; if too short fewer processes run, two "
+     "at "
+     "least; default: 0.5 s a process"},
     {"--processes", "N", RB_OPTION_INT, BENCH(processes), 1, 1000,
      "processes of either side; default 6, the fewest with a 95 % interval"},
     {"--class", "CLASS,...", RB_OPTION_TEXT, BENCH(classes), 0, 0,
@@ -64,7 +66,13 @@ const struct rb_versus_class rb_versus_classes[RB_VERSUS_CLASS_COUNT] = {
 
 static const char *const plan[] = {"balls_high", "balls6", "mount6", "mount9", "mount10"};
 
-enum { SCENES_MAX = 16, PROCESSES_DEFAULT = 6, SIZE_DEFAULT = 1024, CPUS_MAX = 1024 };
+enum {
+    SCENES_MAX = 16,
+    PROCESSES_DEFAULT = 6,
+    PROCESSES_LEAST = 2,
+    SIZE_DEFAULT = 1024,
+    CPUS_MAX = 1024
+};
 static const double MEASURE_S = 0.5, MEASURE_LEAST_S = 0.05;
 
 struct session {
@@ -103,22 +111,34 @@ static void tell(const struct session *session, const char *scene, const char *w
         fprintf(stderr, "\r%s: %s\033[K\r", scene, what);
 }
 
-// Seconds that each process of a scene measures, so that what is left of the budget is shared.
-static double measure_s(const struct session *session, const struct rb_contest *contests, int scene)
+// How often both sides of all contests of a scene run, and how long each process measures.
+struct rounds {
+    int count;
+    double measure_s;
+};
+
+// What is left of the budget is shared among the scenes. First all rounds that were asked for get
+// the least time; what then remains is theirs.
+static struct rounds plan_rounds(const struct session *session, const struct rb_contest *contests,
+                                 int scene)
 {
-    double budget_s = session->arguments->budget_s, fixed_s = 0;
+    const struct rb_arguments *arguments = session->arguments;
+    struct rounds rounds = {process_count(session), MEASURE_S};
+    double fixed_s = 0; // of a round
     int processes = 0;
-    if (budget_s == 0)
-        return MEASURE_S;
+    if (arguments->budget_s == 0)
+        return rounds;
     for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++)
-        for (int side = 0; side < 2 && is_wanted(session, &contests[c]); side++) {
-            processes += process_count(session);
-            fixed_s += process_count(session) *
-                       (contests[c].side[side].load_s + 2 * contests[c].side[side].round_s);
-        }
-    double share_s = (budget_s - since_s(session->start_ns)) / (session->scene_count - scene);
-    double each_s = (share_s - fixed_s) / (processes ? processes : 1);
-    return each_s > MEASURE_LEAST_S ? each_s : MEASURE_LEAST_S;
+        for (int side = 0; side < 2 && is_wanted(session, &contests[c]); side++, processes++)
+            fixed_s += contests[c].side[side].load_s + 2 * contests[c].side[side].round_s;
+    double share_s =
+        (arguments->budget_s - since_s(session->start_ns)) / (session->scene_count - scene);
+    double affordable = share_s / (fixed_s + processes * MEASURE_LEAST_S);
+    if (rounds.count > affordable && !arguments->bench.processes)
+        rounds.count = affordable > PROCESSES_LEAST ? (int)affordable : PROCESSES_LEAST;
+    double each_s = (share_s / rounds.count - fixed_s) / (processes ? processes : 1);
+    rounds.measure_s = each_s > MEASURE_LEAST_S ? each_s : MEASURE_LEAST_S;
+    return rounds;
 }
 
 // One processor for both sides of a round.
@@ -168,14 +188,15 @@ static void run_process(struct session *session, struct rb_contest *contest, int
 static void measure(struct session *session, struct rb_contest *contests, int scene,
                     const char *path)
 {
-    double seconds = measure_s(session, contests, scene);
-    for (int round = 0; round < process_count(session); round++)
+    struct rounds rounds = plan_rounds(session, contests, scene);
+    for (int round = 0; round < rounds.count; round++)
         for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++)
             for (int turn = 0; turn < 2 && !rb_process_interrupted(); turn++) {
                 if (!is_wanted(session, &contests[c]))
                     continue;
                 tell(session, contests[c].scene, contests[c].rays_name);
-                run_process(session, &contests[c], (turn + round) % 2, round, seconds, path);
+                run_process(session, &contests[c], (turn + round) % 2, round, rounds.measure_s,
+                            path);
             }
 }
 
