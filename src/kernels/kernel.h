@@ -114,8 +114,8 @@ struct rb_shading {
     float at[3]; // soft lights face this point
 };
 
-// What rays are traced in. Of `bvh`, `wide` and `embree` one is what the row's accelerator built, if
-// any; the others are NULL.
+// What rays are traced in. Of `bvh`, `wide` and `embree` one is what the row's accelerator built,
+// if any; the others are NULL.
 struct rb_world {
     const struct rb_scene *scene;
     const struct rb_bvh *bvh;
