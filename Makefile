@@ -3,7 +3,7 @@
 # Variables a caller may set:
 #   CC=gcc|clang  OPT=-O2  WERROR=1  SANITIZE=address,undefined  CFLAGS=... LDFLAGS=...
 #   CONFIG=release         objects and programs go to build/$(CONFIG)
-#   OPENMP=0  PNG=0  VALGRIND=0   build without what was found on this machine
+#   OPENMP=0  PNG=0  VALGRIND=0  EMBREE=0   build without what was found on this machine
 #   PREFIX=/usr/local      where `make install` puts things, below DESTDIR
 
 ifeq ($(origin CC),default)
@@ -27,15 +27,19 @@ ifndef VALGRIND
 VALGRIND := $(call works,,valgrind/callgrind.h)
 endif
 
+ifndef EMBREE
+EMBREE := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),$(call works,-lembree3,embree3/rtcore.h),0)
+endif
+
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion \
             -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wundef
 # Exactness: no contraction into FMA. No errno, so that sqrtf is the instruction.
 EXACT    := -ffp-contract=off -fno-math-errno
-INCLUDE  := -Isrc -I. -DRB_PNG=$(PNG) -DRB_VALGRIND=$(VALGRIND) -MMD -MP
+INCLUDE  := -Isrc -I. -DRB_PNG=$(PNG) -DRB_VALGRIND=$(VALGRIND) -DRB_EMBREE=$(EMBREE) -MMD -MP
 NEEDED   := -std=c11 -g $(OPT) $(WARNINGS) $(if $(WERROR),-Werror) \
             $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-sanitize-recover=all)
 LINK     := $(if $(SANITIZE),-fsanitize=$(SANITIZE))
-LIBS     := $(if $(filter 1,$(PNG)),-lpng) -lm
+LIBS     := $(if $(filter 1,$(PNG)),-lpng) $(if $(filter 1,$(EMBREE)),-lembree3) -lm
 ifeq ($(OPENMP),1)
 NEEDED += -fopenmp
 LINK   += -fopenmp
@@ -59,10 +63,20 @@ endif
 %frustum.avx512.o %frustum.avx512.counted.o: ISA := -mavx512f \
   -DRB_FRUSTUM=rb_kernels_frustum_avx512 -DRB_FRUSTUM_ELSE=rb_kernels_stream_avx2
 
-LIB_SRC  := $(sort $(wildcard src/*/*.c bench/*/*.c))
+# Embree has none of the norm to keep, but the same flags; its objects are not linked without it.
+ifeq ($(EMBREE),1)
+EMBREE_OBJ := build.o callbacks.avx2.o trace.avx2.o trace.avx512.o
+else
+EMBREE_OBJ := none.o
+endif
+%embree/callbacks.avx2.o %embree/trace.avx2.o: ISA := -mavx2
+%embree/trace.avx512.o: ISA := -mavx512f
+
+LIB_SRC  := $(filter-out src/embree/%,$(sort $(wildcard src/*/*.c bench/*/*.c)))
 KERNELS  := $(patsubst src/kernels/%.c,%,$(filter src/kernels/%,$(LIB_SRC))) $(WIDE)
 LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o) $(WIDE:%=$(B)/src/kernels/%.o) \
-            $(patsubst %,$(B)/src/kernels/%.counted.o,$(filter-out count,$(KERNELS)))
+            $(patsubst %,$(B)/src/kernels/%.counted.o,$(filter-out count,$(KERNELS))) \
+            $(EMBREE_OBJ:%=$(B)/src/embree/%)
 UNIT_SRC := $(sort $(wildcard tests/unit/*.c))
 UNIT     := $(UNIT_SRC:%.c=$(B)/%)
 TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
@@ -72,7 +86,7 @@ PLANS    := $(sort $(wildcard bench/plans/*.plan))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench explain table simulate selftest overhead test unit exact check fuzz setup install clean help force
+.PHONY: all bench explain table simulate versus selftest overhead test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -93,6 +107,10 @@ table: all
 SCENE    ?= balls_high
 simulate: all
 	$(B)/raybench simulate $(SCENE) $(if $(VARIANT),--variant $(VARIANT)) $(SIMULATE)
+
+## versus: our best rows against Embree's best modes, half an hour (VERSUS="balls_high --budget 1m")
+versus: all
+	$(B)/raybench versus $(VERSUS)
 
 ## selftest: verdicts on the program against itself, and on known slow-downs; three minutes
 selftest: all

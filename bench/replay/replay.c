@@ -100,7 +100,7 @@ static void frame_words(const struct rb_replay_run *run, struct rb_worker_words 
     rb_reference_words(&run->in_place.settings, run->program, run->in_place.variant, words);
     if (run->in_place.group_tiles)
         rb_worker_word(words, "--group-tiles=%u", run->in_place.group_tiles);
-    else
+    else if (run->in_place.variant->exact)
         rb_worker_word(words, "--expect=%" PRIx64 ":%" PRIx64, contents->image_hash,
                        contents->hits_hash);
 }

@@ -85,12 +85,17 @@ static void print_unit(const struct rb_replay_run *run, const struct rb_replay_u
                           : (double)NAN;
     rb_cell_flags(&unit->cell, rb_process_interrupted(), run->probe_ns, flags);
     bool sampled = unit->cell.samples[0].stage[kernel][bounce].rays < unit->rays;
-    printf(" %9s  %-18s %7s %7s %8s %2zu  %8s  %6s %-16s %s%s%s\n", format(figure.value, value),
+    printf(" %9s  %-18s %7s %7s %8s %2zu  %8s  %6s %-16s %s%s%s", format(figure.value, value),
            format_interval(figure.low, figure.high, interval), format(figure.min, min),
            format(figure.p10, p10), format(1e3 / figure.value, rate), figure.n,
            format(in_place, frame), format(ratio.value, times),
            format_interval(ratio.low, ratio.high, spread), sampled ? "estimated" : "",
            sampled && flags[0] ? ";" : "", flags);
+    const struct rb_sample *first = &unit->cell.samples[0];
+    if (first->compared)
+        printf(" %" PRIu64 " of %" PRIu64 " rays differ from the record", first->differ,
+               first->compared);
+    printf("\n");
 }
 
 void rb_replay_print_head(const struct rb_replay_run *run)

@@ -26,7 +26,7 @@ const struct rb_variant *rb_replay_variant(const struct rb_arguments *arguments)
     if (arguments->variant)
         return rb_open_variant(arguments);
     for (const struct rb_variant *row = rb_variants; row->name; row++)
-        if (!row->best_of && !rb_variant_parallel(row) && rb_variant_available(row))
+        if (row->exact && !row->best_of && !rb_variant_parallel(row) && rb_variant_available(row))
             fastest = row;
     return fastest;
 }

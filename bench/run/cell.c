@@ -304,6 +304,7 @@ void rb_cell_flags(const struct rb_cell *cell, bool partial, double probe_ns, ch
     add_flag(text, "invalid", cell->state == RB_CELL_INVALID);
     add_flag(text, "crashed", cell->state == RB_CELL_CRASHED);
     add_flag(text, "partial", partial);
+    add_flag(text, "inexact", time && !cell->variant->exact);
     add_flag(text, "estimated", time && cell->group_tiles);
     add_flag(text, "few", time && !isfinite(rb_cell_frame_ns(cell).low));
     add_flag(text, "unsteady", unsteady > often);

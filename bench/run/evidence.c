@@ -85,6 +85,11 @@ static enum rb_status count_cell(struct rb_run *run, struct rb_cell *cell, struc
 {
     const struct rb_cell *alike = find_alike(run, cell);
     struct rb_error problem = {0};
+    if (!cell->variant->counted) {
+        rb_error_set(&problem, RB_INVALID, "its kernels do not count");
+        tell(cell, "counted", &problem);
+        return RB_OK;
+    }
     if (alike) {
         cell->counted = rb_alloc(1, sizeof *cell->counted);
         if (!cell->counted)

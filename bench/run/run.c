@@ -148,7 +148,7 @@ static enum rb_status run_process(struct rb_run *run, struct rb_cell *cell, doub
     rb_worker_word(&words, "--process=%u", cell->process_count);
     if (cell->group_tiles)
         rb_worker_word(&words, "--group-tiles=%u", cell->group_tiles);
-    else
+    else if (cell->variant->exact)
         rb_worker_word(&words, "--expect=%llx:%llx",
                        (unsigned long long)cell->reference->image_hash,
                        (unsigned long long)cell->reference->hits_hash);

@@ -29,9 +29,10 @@ struct rb_sample {
     double steal_ms;                // of the whole machine; NaN: not known
     struct rb_sample_stage stage[RB_STAGE_COUNT][RB_BOUNCE_MAX];
     uint64_t reflected[RB_BOUNCE_MAX], refracted[RB_BOUNCE_MAX];
+    uint64_t compared, differ; // rays of a row that is not exact, and those otherwise than recorded
 };
 
-enum { RB_SAMPLE_VERSION = 2, RB_REPETITIONS_MAX = 32 };
+enum { RB_SAMPLE_VERSION = 3, RB_REPETITIONS_MAX = 32 };
 #define RB_SAMPLE_MAGIC                                                                            \
     ((uint64_t)0x7262 << 48 | RB_SAMPLE_VERSION << 24 | sizeof(struct rb_sample))
 

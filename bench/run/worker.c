@@ -105,8 +105,10 @@ static enum rb_status run_group(struct worker *worker, const struct rb_scene *sc
     rb_renderer_run(bvh, &repeater->how, &check);
     rb_renderer_free(bvh);
     sample->hits_hash = result.hits_hash;
-    sample->mismatch = result.hits_hash != check.hits_hash ||
-                       result.image_hash != check.image_hash || !same_rays(sample, &check);
+    bool exact = rb_variant_resolve(rb_open_variant(worker->arguments))->exact;
+    sample->mismatch =
+        exact && (result.hits_hash != check.hits_hash || result.image_hash != check.image_hash ||
+                  !same_rays(sample, &check));
     status = rb_repeater_send(repeater, error);
     return status == RB_OK && sample->mismatch ? RB_INVALID : status;
 }

@@ -14,6 +14,7 @@
 #include "bench/shell/completions.h"
 #include "bench/shell/man.h"
 #include "bench/times/render_command.h"
+#include "bench/versus/versus.h"
 #include "cli/commands.h"
 
 #include <stddef.h>
@@ -35,6 +36,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_table,
     &rb_command_record,
     &rb_command_replay,
+    &rb_command_versus,
     &rb_command_doctor,
     &rb_command_completions,
     &rb_command_man,

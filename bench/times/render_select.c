@@ -8,7 +8,7 @@
 
 static bool usable(const struct rb_variant *variant)
 {
-    return !variant->best_of && rb_variant_available(variant);
+    return variant->exact && !variant->best_of && rb_variant_available(variant);
 }
 
 void rb_render_available(char names[RB_AVAILABLE_ROOM])

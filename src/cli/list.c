@@ -1,4 +1,5 @@
 #include "cli/commands.h"
+#include "embree/embree.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -42,6 +43,8 @@ static void list_variants(bool json)
             printf("; needs %s", v->needs);
         if (!json && v->best_of && available)
             printf(": here %s", stands_for);
+        if (!json && v->accelerator == RB_ACCEL_EMBREE && available)
+            printf(": here libembree %s", rb_embree_version());
         if (!json)
             printf("\n");
     }

@@ -19,6 +19,7 @@
 
 struct rb_bvh;
 struct rb_wide;
+struct rb_embree;
 
 // Arrays of all queues are rounded up to this many elements, the widest SIMD register there is in
 // single precision, so that a kernel may read and write whole registers.
@@ -113,12 +114,13 @@ struct rb_shading {
     float at[3]; // soft lights face this point
 };
 
-// What rays are traced in. Of `bvh` and `wide` one is what the row's accelerator built, if any; the
-// rest is NULL.
+// What rays are traced in. Of `bvh`, `wide` and `embree` one is what the row's accelerator built,
+// if any; the others are NULL.
 struct rb_world {
     const struct rb_scene *scene;
     const struct rb_bvh *bvh;
     const struct rb_wide *wide;
+    const struct rb_embree *embree;
     bool one_sided; // opaque surfaces are hit from their front only (SPD's rule)
 };
 

@@ -10,8 +10,10 @@ struct rb_renderer {
     const struct rb_variant *variant;
     struct rb_frame frame;
     struct rb_worker *workers;
-    struct rb_bvh bvh;   // one of these two, or none
-    struct rb_wide wide; //
+    struct rb_bvh bvh; // one of these three, or none
+    struct rb_wide wide;
+    struct rb_embree *embree;
+    size_t embree_bytes;
     uint64_t build_ns;
 };
 

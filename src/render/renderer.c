@@ -3,6 +3,7 @@
 #include "base/fpenv.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "embree/embree.h"
 #include "render/frame.h"
 #include "render/inside.h"
 
@@ -18,6 +19,21 @@ static int worker_count(const struct rb_renderer *renderer)
     return tiles < (uint32_t)threads ? (int)tiles : threads;
 }
 
+// Embree takes its own time, without the copies it wants of the scene.
+static enum rb_status build_embree(struct rb_renderer *renderer, struct rb_error *error)
+{
+    struct rb_embree_cost cost = {0};
+    if (renderer->frame.settings.spd)
+        return rb_error_set(error, RB_INVALID, "Embree does not know SPD's one-sided surfaces");
+    enum rb_status status =
+        rb_embree_build(renderer->frame.world.scene, renderer->variant->embree,
+                        worker_count(renderer), &renderer->embree, &cost, error);
+    renderer->build_ns = cost.build_ns;
+    renderer->embree_bytes = cost.bytes;
+    renderer->frame.world.embree = renderer->embree;
+    return status;
+}
+
 static enum rb_status build_accelerator(struct rb_renderer *renderer, struct rb_error *error)
 {
     struct rb_world *world = &renderer->frame.world;
@@ -26,6 +42,8 @@ static enum rb_status build_accelerator(struct rb_renderer *renderer, struct rb_
     enum rb_status status = RB_OK;
     if (accelerator == RB_ACCEL_NONE)
         return RB_OK;
+    if (renderer->variant->accelerator == RB_ACCEL_EMBREE)
+        return build_embree(renderer, error);
     uint64_t start_ns = rb_clock_ns();
     if (accelerator == RB_ACCEL_BVH) {
         status = rb_bvh_build(world->scene, threads, &renderer->bvh, error);
@@ -114,7 +132,19 @@ void rb_renderer_free(struct rb_renderer *renderer)
     rb_free(renderer->frame.film.rgb);
     rb_bvh_free(&renderer->bvh);
     rb_wide_free(&renderer->wide);
+    rb_embree_free(renderer->embree);
     rb_free(renderer);
+}
+
+bool rb_renderer_take_row(struct rb_renderer *renderer, const struct rb_variant *row)
+{
+    const struct rb_variant *now = renderer->variant;
+    if (!row->kernels || row->accelerator != now->accelerator || row->embree != now->embree ||
+        rb_variant_parallel(row) || rb_variant_parallel(now))
+        return false;
+    renderer->variant = row;
+    renderer->frame.kernels = row->kernels;
+    return true;
 }
 
 float rb_film_value(const struct rb_frame *frame, size_t index)
@@ -221,5 +251,5 @@ uint64_t rb_renderer_build_ns(const struct rb_renderer *renderer)
 
 size_t rb_renderer_tree_bytes(const struct rb_renderer *renderer)
 {
-    return renderer->bvh.bytes + renderer->wide.bytes;
+    return renderer->bvh.bytes + renderer->wide.bytes + renderer->embree_bytes;
 }

@@ -26,6 +26,10 @@ enum rb_status rb_renderer_create(const struct rb_scene *scene, const struct rb_
                                   struct rb_error *error);
 void rb_renderer_free(struct rb_renderer *renderer); // accepts NULL
 
+// Goes on with the kernels of another serial row that traces through the very same tree; false,
+// and nothing has changed, if `row` needs another one.
+bool rb_renderer_take_row(struct rb_renderer *renderer, const struct rb_variant *row);
+
 // Sees the batches of a frame as the kernels get and leave them, in the order in which they come:
 // a batch of rays, the shadow rays of its hits, then its children, which are batches of the next
 // bounce. `span` is the part of the image that they serve. Called by the worker that has made them,

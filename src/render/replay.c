@@ -270,6 +270,39 @@ enum rb_status rb_replay_verify(struct rb_renderer *renderer, const struct rb_re
     return call.differs ? RB_INVALID : RB_OK;
 }
 
+static bool alike(float is, float was)
+{
+    return isinf(is) || isinf(was) ? is == was : fabsf(is - was) <= RB_REPLAY_TOLERANCE * was;
+}
+
+static uint64_t count_differing(const struct rb_worker *worker, const struct rb_replay *replay,
+                                const struct rb_batch *batch)
+{
+    uint64_t differ = 0;
+    if (replay->kernel == RB_STAGE_TRACE)
+        for (uint32_t i = 0; i < batch->rays.count; i++)
+            differ += !alike(worker->queues.hits.t[i], batch->hits.t[i]);
+    if (replay->kernel == RB_STAGE_TRACE_SHADOW)
+        for (uint32_t i = 0; i < batch->shadows.count; i++)
+            differ += worker->queues.shadows.occluded[i] != batch->shadows.occluded[i];
+    return differ;
+}
+
+void rb_replay_difference(struct rb_renderer *renderer, const struct rb_replay *replay,
+                          size_t first, size_t end, struct rb_replay_difference *difference)
+{
+    struct rb_worker *worker = &renderer->workers[0];
+    struct call call = {.replay = replay, .index = first, .flush = drop_shadows};
+    fenv_t saved;
+    rb_fpenv_enter(&saved);
+    for (; call.index < end; call.index++) {
+        run_call(worker, &call);
+        difference->rays += rb_batch_count(batch_of(&call));
+        difference->differ += count_differing(worker, replay, batch_of(&call));
+    }
+    rb_fpenv_leave(&saved);
+}
+
 void rb_renderer_trace(const struct rb_renderer *renderer, const struct rb_rays *rays,
                        struct rb_hits *hits)
 {

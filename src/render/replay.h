@@ -30,6 +30,17 @@ enum rb_status rb_replay_check(const struct rb_renderer *renderer, const struct 
 enum rb_status rb_replay_verify(struct rb_renderer *renderer, const struct rb_replay *replay,
                                 size_t first, size_t end, struct rb_error *error);
 
+// For rows that are not exact, instead: how many of the rays of trace or trace_shadow are answered
+// otherwise than recorded. Hits are alike if both miss, or both hit at distances that differ by no
+// more than RB_REPLAY_TOLERANCE of the distance, whatever primitive: where two overlap or touch,
+// rounding decides. Other kernels have nothing to compare.
+#define RB_REPLAY_TOLERANCE 1e-3f
+struct rb_replay_difference {
+    uint64_t rays, differ;
+};
+void rb_replay_difference(struct rb_renderer *renderer, const struct rb_replay *replay,
+                          size_t first, size_t end, struct rb_replay_difference *difference);
+
 // The end of what belongs to batch `first`: for shade, its shadow rays come after it.
 size_t rb_replay_group_end(const struct rb_replay *replay, size_t first);
 

@@ -1,6 +1,8 @@
 #include "render/variants.h"
 
 #include "base/cpu.h"
+#include "embree/embree.h"
+#include "render/embree_rows.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -21,6 +23,13 @@
 #define X86(set)  .kernels = NULL
 #define NEON(set) .kernels = NULL
 #endif
+
+#if RB_EMBREE
+#define EMBREE .kernels = &rb_embree_avx2[RB_EMBREE_PACKET][0]
+#else
+#define EMBREE .kernels = NULL
+#endif
+static const struct rb_embree_tree embree_tree = {.high = false};
 
 // A serial row, and the one whose tiles are shared among threads: `what` says which kernels.
 #define PAIR(row, text, base, tree, what, need, need_omp)                                          \
@@ -77,21 +86,55 @@ const struct rb_variant rb_variants[] = {
          PACKETS, PACKETS "," OPENMP),
     PAIR("auto", "the fastest this machine has: bundles of rays, or streams", "packet",
          RB_ACCEL_WIDE, .best_of = FRUSTUM, FRUSTUM, FRUSTUM "," OPENMP),
+    {
+        .name = "embree",
+        .summary = "yardstick: Embree's packets of 8 rays",
+        .baseline = "packet",
+        EMBREE,
+        .accelerator = RB_ACCEL_EMBREE,
+        .schedule = rb_schedule_serial,
+        .needs = RB_EMBREE_NEEDS ",avx2",
+        .embree = &embree_tree,
+    },
+    {
+        .name = "embree+omp",
+        .summary = "embree, tiles shared among threads",
+        .baseline = "embree",
+        EMBREE,
+        .accelerator = RB_ACCEL_EMBREE,
+        .schedule = rb_schedule_openmp,
+        .needs = RB_EMBREE_NEEDS ",avx2," OPENMP,
+        .embree = &embree_tree,
+    },
     {.name = NULL},
 };
 
-const struct rb_variant *rb_variant_find(const char *name)
+static const struct rb_variant *find_in(const struct rb_variant *table, const char *name)
 {
-    for (const struct rb_variant *variant = rb_variants; variant->name; variant++)
+    for (const struct rb_variant *variant = table; variant->name; variant++)
         if (strcmp(variant->name, name) == 0)
             return variant;
     return NULL;
 }
 
-// An item of a list of needs: OpenMP, the rows that the variant is the best of, or a feature.
+const struct rb_variant *rb_variant_find(const char *name)
+{
+    const struct rb_variant *variant = find_in(rb_variants, name);
+    return variant ? variant : find_in(rb_embree_rows, name);
+}
+
+static bool is_item(const char *item, int length, const char *name)
+{
+    return length == (int)strlen(name) && memcmp(item, name, strlen(name)) == 0;
+}
+
+// An item of a list of needs: OpenMP, libembree, the rows that the variant is the best of, or a
+// feature.
 static bool have(const struct rb_variant *variant, const char *item, int length)
 {
-    if (length == (int)strlen(OPENMP) && memcmp(item, OPENMP, strlen(OPENMP)) == 0) {
+    if (is_item(item, length, RB_EMBREE_NEEDS))
+        return rb_embree_version() != NULL;
+    if (is_item(item, length, OPENMP)) {
 #ifdef _OPENMP
         return true;
 #else
@@ -136,7 +179,7 @@ const struct rb_variant *rb_variant_fastest(void)
 {
     const struct rb_variant *fastest = rb_variants;
     for (const struct rb_variant *variant = rb_variants; variant->name; variant++)
-        if (!variant->best_of && rb_variant_available(variant))
+        if (variant->exact && !variant->best_of && rb_variant_available(variant))
             fastest = variant;
     return fastest;
 }

@@ -10,6 +10,7 @@
 
 #include <stdbool.h>
 
+struct rb_embree_tree;
 struct rb_frame;
 struct rb_worker;
 
@@ -19,7 +20,9 @@ typedef void rb_schedule_fn(struct rb_frame *frame, struct rb_worker *workers, i
 rb_schedule_fn rb_schedule_serial;
 rb_schedule_fn rb_schedule_openmp; // serial where the compiler has no OpenMP; the rows say so
 
-enum rb_accelerator { RB_ACCEL_NONE, RB_ACCEL_BVH, RB_ACCEL_WIDE };
+enum rb_accelerator { RB_ACCEL_NONE, RB_ACCEL_BVH, RB_ACCEL_WIDE, RB_ACCEL_EMBREE };
+
+#define RB_EMBREE_NEEDS "libembree"
 
 struct rb_variant {
     const char *name;     // ends the table if NULL
@@ -33,18 +36,21 @@ struct rb_variant {
     // Not NULL: the row stands for the last available row with such a name ("packet-*") and the
     // same schedule; kernels is NULL then.
     const char *best_of;
-    const struct rb_kernels *counted; // the twin of `kernels` that counts (kernels/count.h)
+    const struct rb_kernels
+        *counted; // the twin of `kernels` that counts (kernels/count.h), or NULL
+    const struct rb_embree_tree *embree; // how Embree builds its tree (embree/embree.h)
 };
 
 extern const struct rb_variant rb_variants[];
 
-const struct rb_variant *rb_variant_find(const char *name); // NULL if there is none
+// Also finds what embree_rows.h has. NULL if there is none.
+const struct rb_variant *rb_variant_find(const char *name);
 bool rb_variant_available(const struct rb_variant *variant);
 
 // The row that a row stands for: itself, or the best of several. NULL if none of them is available.
 const struct rb_variant *rb_variant_resolve(const struct rb_variant *variant);
 bool rb_variant_parallel(const struct rb_variant *variant);
-const struct rb_variant *rb_variant_fastest(void);
+const struct rb_variant *rb_variant_fastest(void); // of the exact ones
 
 // Threads a parallel row uses when nobody says: as OMP_NUM_THREADS, affinity and limits have it.
 int rb_threads_default(void);

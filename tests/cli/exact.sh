@@ -26,9 +26,10 @@ size_of() {
     esac
 }
 
-# PROGRAM...: a line `NAME AVAILABLE NEEDS` per row.
+# PROGRAM...: a line `NAME AVAILABLE NEEDS` per row that is exact.
 list_rows() {
     "$@" list variants --json |
+        grep '"exact": true' |
         sed -n 's/.*"name": "\([^"]*\)", "available": \([a-z]*\), "needs": "\([^"]*\)".*/\1 \2 \3/p'
 }
 

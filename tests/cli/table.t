@@ -41,7 +41,8 @@ look() { # SOURCE
     # shellcheck disable=SC2016
     check "$1: speed-ups are ratios of medians" awk -F, '
         NR == 2 { naive = $5 }
-        NR > 1 && $9 == 3 && !((naive / $5 / $11 - 1) ^ 2 < 1e-8 && (3 / $5 / $12 - 1) ^ 2 < 1e-8) { bad = 1 }
+        NR > 1 && $9 == 3 && !((naive / $5 / $11 - 1) ^ 2 < 1e-8 &&
+            (3 / $5 / $12 - 1) ^ 2 < 1e-8) { bad = 1 }
         END { exit bad || NR < 3 }' "$csv"
     check "$1: the Markdown has every row" \
         [ "$(grep -c "| $1" "$out/table1.md")" = $(($(wc -l <"$csv") - 1)) ]

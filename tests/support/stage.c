@@ -24,7 +24,8 @@ static void prepare(struct stage *stage)
     stage_check(rb_wide_build(&stage->scene, 1, &stage->wide, &stage_failure));
     if (!ref_world_build(&stage->scene, &stage->reference))
         stage_give_up("no memory");
-    stage->world = (struct rb_world){&stage->scene, &stage->bvh, &stage->wide, false};
+    stage->world =
+        (struct rb_world){.scene = &stage->scene, .bvh = &stage->bvh, .wide = &stage->wide};
 }
 
 void stage_build(struct stage *stage, struct rb_scene_builder *builder)

@@ -1,0 +1,55 @@
+// Our rows against Embree, on the same recorded rays.
+#ifndef RB_VERSUS_VERSUS_H
+#define RB_VERSUS_VERSUS_H
+
+#include "bench/replay/record_file.h"
+#include "bench/run/cell.h"
+#include "cli/options.h"
+
+#include <stdio.h>
+
+extern const struct rb_command rb_command_versus;
+
+// The classes of rays that are compared.
+enum { RB_VERSUS_CLASS_COUNT = 5 };
+struct rb_versus_class {
+    const char *name;
+    struct rb_record_choice rays;
+};
+extern const struct rb_versus_class rb_versus_classes[RB_VERSUS_CLASS_COUNT];
+
+// One of the two rows of a contest, and what its processes need.
+struct rb_versus_side {
+    const struct rb_variant *row; // NULL: none has answered yet
+    double round_s;               // to go over all rays once
+    double load_s;                // from the start of a process to its first ray
+    struct rb_cell cell;
+};
+
+// Rays of a scene, and the best row of either side for them: [0] ours, [1] Embree's.
+struct rb_contest {
+    const char *scene, *rays_name;
+    const struct rb_versus_class *rays;
+    uint32_t primitive_count;
+    uint64_t ray_count;
+    struct rb_versus_side side[2];
+    double medium_build_ns; // of Embree's tree of medium quality, the faster of two
+    size_t medium_bytes;    // that it holds
+};
+
+// Finds the best rows for the contests of a scene, one for each class, whose rays are in the record
+// `path`: every row on the same random batches, the fastest of some runs (choose.c). `load_s` is
+// what loading the scene has taken. RB_FAILED without memory.
+enum rb_status rb_versus_choose(const char *path, const struct rb_scene *scene, double load_s,
+                                struct rb_contest contests[RB_VERSUS_CLASS_COUNT],
+                                struct rb_error *error);
+
+// The name of Embree's mode in a contest, without the name of Embree.
+const char *rb_versus_mode(const struct rb_contest *contest);
+
+// Both print contests that have times: a table with the losing ones first, and a CSV file
+// (results/README.md).
+void rb_versus_print(const struct rb_contest *contests, size_t count);
+void rb_versus_write(FILE *out, const struct rb_contest *contests, size_t count);
+
+#endif
