@@ -52,10 +52,16 @@ say      := $(if $(findstring s,$(firstword -$(MAKEFLAGS))),@:,@echo)
 
 # Kernel files that are compiled again for wider vectors, FILE.ISA; never with FMA: exactness.
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine)),)
-WIDE     := packet.avx2 packet.avx512
+WIDE     := packet.avx2 packet.avx512 wide.avx2 stream.avx2 frustum.avx2 frustum.avx512
 endif
 %packet.avx2.o %packet.avx2.counted.o: ISA := -mavx2 -DRB_PACKET=rb_kernels_packet_avx2
 %packet.avx512.o %packet.avx512.counted.o: ISA := -mavx512f -DRB_PACKET=rb_kernels_packet_avx512
+%wide.avx2.o %wide.avx2.counted.o: ISA := -mavx2 -DRB_WIDE_SET=rb_kernels_wide_avx2
+%stream.avx2.o %stream.avx2.counted.o: ISA := -mavx2 -mbmi2 -DRB_STREAM=rb_kernels_stream_avx2
+%frustum.avx2.o %frustum.avx2.counted.o: ISA := -mavx2 -DRB_FRUSTUM=rb_kernels_frustum_avx2 \
+  -DRB_FRUSTUM_ELSE=rb_kernels_stream_avx2
+%frustum.avx512.o %frustum.avx512.counted.o: ISA := -mavx512f \
+  -DRB_FRUSTUM=rb_kernels_frustum_avx512 -DRB_FRUSTUM_ELSE=rb_kernels_stream_avx2
 
 # Embree has none of the norm to keep, but the same flags; its objects are not linked without it.
 ifeq ($(EMBREE),1)

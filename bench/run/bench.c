@@ -70,7 +70,7 @@ static int print_results(const struct rb_run *run, bool partial)
 static const struct rb_session_kind kind = {
     .defaults = "# what is measured when nothing is said\n"
                 "scenes = *\n"
-                "variants = naive,bvh,bvh+omp,packet,packet+omp,fastest\n",
+                "variants = naive,bvh,packet,auto,auto+omp,fastest\n",
     .print = print_results,
 };
 

@@ -32,6 +32,20 @@ struct rb_bvh {
     double sah_cost; // expected cost of a ray that passes the root, in box pair tests
 };
 
+// What the leaves of a tree are for: how many primitives, `block`, are tested at once, what that
+// costs relative to a visit of an inner node, and whether a leaf must be of one kind. A leaf of
+// more than one primitive has at most RB_BVH_LEAF_MAX.
+enum { RB_BVH_LEAF_MAX = 8 };
+struct rb_bvh_leaves {
+    uint32_t block;
+    float cost;
+    bool one_kind;
+};
+
+// rb_bvh_build with leaves of another sort than those of one primitive at a time.
+enum rb_status rb_bvh_build_leaves(const struct rb_scene *scene, const struct rb_bvh_leaves *leaves,
+                                   int threads, struct rb_bvh *bvh, struct rb_error *error);
+
 // `threads` >= 1 workers. Fails only without memory. Release with rb_bvh_free.
 enum rb_status rb_bvh_build(const struct rb_scene *scene, int threads, struct rb_bvh *bvh,
                             struct rb_error *error);

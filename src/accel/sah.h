@@ -1,6 +1,6 @@
 // The surface area heuristic by binning (Wald 2007): where to split a set of boxes in two so that
-// the expected cost of a ray, area times primitives on both sides, is least. Depends on the set and
-// its order alone.
+// the expected cost of a ray, area times primitives on both sides, is least; or, where primitives
+// are tested in blocks, area times blocks. Depends on the set and its order alone.
 #ifndef RB_ACCEL_SAH_H
 #define RB_ACCEL_SAH_H
 
@@ -8,42 +8,85 @@
 
 #include <stdint.h>
 
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+// Three coordinates and one lane that means nothing, in a vector register.
+typedef float rb_quad __attribute__((vector_size(16)));
+
 struct rb_box {
-    float low[3], high[3];
+    rb_quad low, high;
 };
 
 #define RB_BOX_EMPTY                                                                               \
-    ((struct rb_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}})
+    ((struct rb_box){{INFINITY, INFINITY, INFINITY, INFINITY},                                     \
+                     {-INFINITY, -INFINITY, -INFINITY, -INFINITY}})
 
-// A primitive as the builder moves it about.
+// A primitive as the builder moves it about: its box, whose fourth lanes hold its id.
 struct rb_sah_item {
     struct rb_box box;
-    uint32_t id;
 };
 
 struct rb_sah_split {
-    float cost; // of both sides, half area times primitives; infinite if no plane separates them
+    float cost; // of both sides, half area times blocks; infinite if no plane separates them
     float low, scale;
     int axis, bin; // items of bins < bin go left
 };
 
+// rb_min, rb_max, lane by lane.
+static inline rb_quad rb_quad_min(rb_quad a, rb_quad b)
+{
+#ifdef __SSE2__
+    return _mm_min_ps(a, b);
+#else
+    return (rb_quad){rb_min(a[0], b[0]), rb_min(a[1], b[1]), rb_min(a[2], b[2]), 0.0f};
+#endif
+}
+
+static inline rb_quad rb_quad_max(rb_quad a, rb_quad b)
+{
+#ifdef __SSE2__
+    return _mm_max_ps(a, b);
+#else
+    return (rb_quad){rb_max(a[0], b[0]), rb_max(a[1], b[1]), rb_max(a[2], b[2]), 0.0f};
+#endif
+}
+
 static inline void rb_box_include(struct rb_box *box, const struct rb_box *other)
 {
-    for (int k = 0; k < 3; k++) {
-        box->low[k] = rb_min(box->low[k], other->low[k]);
-        box->high[k] = rb_max(box->high[k], other->high[k]);
-    }
+    box->low = rb_quad_min(box->low, other->low);
+    box->high = rb_quad_max(box->high, other->high);
+}
+
+static inline struct rb_sah_item rb_sah_item_make(const float low[3], const float high[3],
+                                                  uint32_t id)
+{
+    // As integers below 2^16 they are no denormal floats, which some processors add slowly.
+    float halves[2] = {(float)(id >> 16), (float)(id & 0xffff)};
+    return (struct rb_sah_item){
+        {{low[0], low[1], low[2], halves[0]}, {high[0], high[1], high[2], halves[1]}}};
+}
+
+static inline uint32_t rb_sah_item_id(const struct rb_sah_item *item)
+{
+    return (uint32_t)item->box.low[3] << 16 | (uint32_t)item->box.high[3];
 }
 
 static inline float rb_box_half_area(const struct rb_box *box)
 {
-    float x = box->high[0] - box->low[0], y = box->high[1] - box->low[1];
-    float z = box->high[2] - box->low[2];
-    return x * y + y * z + z * x;
+    rb_quad edge = box->high - box->low;
+    return edge[0] * edge[1] + edge[1] * edge[2] + edge[2] * edge[0];
+}
+
+// Blocks of `block` that `count` primitives fill.
+static inline float rb_sah_blocks(uint32_t count, uint32_t block)
+{
+    return (float)((count + block - 1) / block);
 }
 
 // The cheapest of the planes between bins, on all three axes.
-struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count);
+struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count, uint32_t block);
 
 // Moves the items left of the split to the front; returns how many there are, at least one and
 // fewer than `count` if the cost of the split is finite.

@@ -14,6 +14,11 @@ static bool has_avx2(void)
     return __builtin_cpu_supports("avx2"); // asks the operating system as well
 }
 
+static bool has_bmi2(void)
+{
+    return __builtin_cpu_supports("bmi2");
+}
+
 static bool has_avx512f(void)
 {
     return __builtin_cpu_supports("avx512f");
@@ -25,6 +30,11 @@ static bool has_sse2(void)
 }
 
 static bool has_avx512f(void)
+{
+    return false;
+}
+
+static bool has_bmi2(void)
 {
     return false;
 }
@@ -47,8 +57,11 @@ static bool has_neon(void)
 static const struct feature {
     const char *name;
     bool (*present)(void);
-} features[] = {
-    {"sse2", has_sse2}, {"avx2", has_avx2}, {"avx512f", has_avx512f}, {"neon", has_neon}};
+} features[] = {{"sse2", has_sse2},
+                {"avx2", has_avx2},
+                {"bmi2", has_bmi2},
+                {"avx512f", has_avx512f},
+                {"neon", has_neon}};
 
 enum { FEATURE_COUNT = sizeof features / sizeof *features };
 
@@ -81,10 +94,10 @@ enum rb_status rb_cpu_check_disabled(struct rb_error *error)
     while (*list) {
         size_t length = next_item(&list, &item);
         if (!find(item, length))
-            return rb_error_set(
-                error, RB_INVALID,
-                "RAYBENCH_CPU_DISABLE: there is no feature '%.*s' (sse2, avx2, avx512f, neon)",
-                (int)(length < 40 ? length : 40), item);
+            return rb_error_set(error, RB_INVALID,
+                                "RAYBENCH_CPU_DISABLE: there is no feature '%.*s' (sse2, avx2, "
+                                "bmi2, avx512f, neon)",
+                                (int)(length < 40 ? length : 40), item);
     }
     return RB_OK;
 }

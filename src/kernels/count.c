@@ -53,7 +53,7 @@ void rb_counts_take(struct rb_counts *to)
 
 void rb_counting_begin(uint32_t index)
 {
-    rb_counting.first = index;
+    rb_counting.first = rb_counting.base + index;
     rb_counting.deepest = 0;
 }
 

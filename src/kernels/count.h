@@ -12,12 +12,13 @@
 #include <stdint.h>
 
 // "Rays" below are rays that take part: the lanes of a packet that are active. A packet that visits
-// a node for 3 of its 8 rays counts 3 nodes, 1 step, 3 active lanes and 8 possible ones.
+// a node for 3 of its 8 rays counts 3 nodes, 1 step, 3 active lanes and 8 possible ones. Where the
+// lanes are 8 boxes or primitives, the active ones are those there are.
 enum rb_counter {
     RB_COUNT_NODES,           // inner nodes visited, by rays
     RB_COUNT_BOXES,           // boxes tested, by rays: of a node's children, and a primitive's own
-    RB_COUNT_SPHERES,         // primitives tested, by rays: those whose own box the ray passes
-    RB_COUNT_TRIANGLES,       //
+    RB_COUNT_SPHERES,         // primitives tested, by rays: those whose own box the ray passes;
+    RB_COUNT_TRIANGLES,       // or all of a block of the wide tree, whose boxes come second
     RB_COUNT_CONES,           //
     RB_COUNT_PLANES,          //
     RB_COUNT_HITS,            // rays that hit something (trace)
@@ -42,6 +43,7 @@ extern const char *const rb_counter_names[RB_COUNTER_COUNT]; // "nodes"
 // What a thread is counting.
 struct rb_counting {
     struct rb_counts counts;
+    uint32_t base;    // index in its queue of the first ray of a part of it that is in work
     uint32_t first;   // index in its queue of the ray in lane 0
     uint64_t deepest; // stack of the running traversal
     uint32_t *cost;   // not NULL: what `chosen` counts is added up here, by ray
@@ -63,13 +65,17 @@ void rb_counting_depth(uint64_t depth);
 void rb_counting_end(unsigned bits);
 
 #ifdef RB_COUNTING
+#define RB_COUNTS      1
 #define RB_COUNT(what) ((void)(what))
 #else
+#define RB_COUNTS      0                            // for loops that do nothing else
 #define RB_COUNT(what) (0 ? (void)(what) : (void)0) // compiled, never run
 #endif
 
-// The work that follows is that of the rays from `index` on, the first of them in lane 0; and it is
-// done, for the rays of `bits`.
+// The kernel that is called next counts rays from `index` of the queue on. Or: the work that
+// follows is that of the rays from `index` on, the first of them in lane 0; and it is done, for the
+// rays of `bits`.
+#define RB_COUNT_BASE(index)  RB_COUNT(rb_counting.base = (index))
 #define RB_COUNT_BEGIN(index) RB_COUNT(rb_counting_begin(index))
 #define RB_COUNT_END(bits)    RB_COUNT(rb_counting_end(bits))
 

@@ -19,6 +19,7 @@
 
 struct rb_bvh;
 struct rb_embree;
+struct rb_wide;
 
 // Arrays of all queues are rounded up to this many elements, the widest SIMD register there is in
 // single precision, so that a kernel may read and write whole registers.
@@ -113,10 +114,12 @@ struct rb_shading {
     float at[3]; // soft lights face this point
 };
 
-// What rays are traced in. `bvh` or `embree` is what the row's accelerator built, the others NULL.
+// What rays are traced in. Of `bvh`, `wide` and `embree` one is what the row's accelerator built,
+// if any; the rest is NULL.
 struct rb_world {
     const struct rb_scene *scene;
     const struct rb_bvh *bvh;
+    const struct rb_wide *wide;
     const struct rb_embree *embree;
     bool one_sided; // opaque surfaces are hit from their front only (SPD's rule)
 };
@@ -170,10 +173,20 @@ struct rb_kernels {
 #define RB_KERNEL_SET(name) extern const struct rb_kernels name, name##_counted
 RB_KERNEL_SET(rb_kernels_naive);
 RB_KERNEL_SET(rb_kernels_bvh);
+RB_KERNEL_SET(rb_kernels_frustum_sse2);
+RB_KERNEL_SET(rb_kernels_frustum_avx2);
+RB_KERNEL_SET(rb_kernels_frustum_avx512);
+RB_KERNEL_SET(rb_kernels_frustum_neon);
 RB_KERNEL_SET(rb_kernels_packet_sse2); // one source, an object per instruction set;
 RB_KERNEL_SET(rb_kernels_packet_avx2); // those of other processors are not linked
 RB_KERNEL_SET(rb_kernels_packet_avx512);
 RB_KERNEL_SET(rb_kernels_packet_neon);
+RB_KERNEL_SET(rb_kernels_wide_sse2);
+RB_KERNEL_SET(rb_kernels_wide_avx2);
+RB_KERNEL_SET(rb_kernels_wide_neon);
+RB_KERNEL_SET(rb_kernels_stream_sse2);
+RB_KERNEL_SET(rb_kernels_stream_avx2);
+RB_KERNEL_SET(rb_kernels_stream_neon);
 
 // The scalar bodies that sets without a better one share (scalar.c).
 rb_generate_fn rb_scalar_generate, rb_scalar_generate_counted;

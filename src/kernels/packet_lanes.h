@@ -1,7 +1,7 @@
 // What the packet kernels that do not trace have in common: gathering from arrays of structures and
-// appending to queues. The packet_*.h are included by packet.c alone, once per instruction set;
-// their scalar twins in scalar.c and shade.h are the norm, and every operation has its counterpart
-// there.
+// appending to queues. The packet_*.h are included by the files that are compiled once per
+// instruction set; their scalar twins in scalar.c and shade.h are the norm, and every operation has
+// its counterpart there.
 #ifndef RB_KERNELS_PACKET_LANES_H
 #define RB_KERNELS_PACKET_LANES_H
 

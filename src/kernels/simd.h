@@ -188,6 +188,26 @@ static inline vint vi_first(uint32_t count)
     return vi_lanes() < vi_set(count < RB_LANES ? count : RB_LANES);
 }
 
+// Stores the lanes of `bits` one behind the other; what it writes behind them, up to RB_LANES in
+// all, means nothing. Returns how many they are.
+static inline unsigned vi_pack(uint32_t *to, vint v, unsigned bits)
+{
+#if defined(__AVX2__) && defined(__BMI2__) && RB_LANES == 8
+    uint64_t bytes = _pdep_u64(bits, 0x0101010101010101u) * 0xff;
+    long long from = (long long)_pext_u64(0x0706050403020100u, bytes);
+    __m256i lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(from));
+    vi_store(to, (vint)_mm256_permutevar8x32_epi32((__m256i)v, lanes));
+    return (unsigned)__builtin_popcount(bits);
+#else
+    unsigned count = 0;
+    for (int lane = 0; lane < RB_LANES; lane++) {
+        to[count] = (uint32_t)v[lane];
+        count += bits >> lane & 1;
+    }
+    return count;
+#endif
+}
+
 // Three-vectors, as base/vec.h.
 struct vvec {
     vfloat x, y, z;

@@ -3,13 +3,15 @@
 #define RB_RENDER_INSIDE_H
 
 #include "accel/bvh.h"
+#include "accel/wide.h"
 #include "render/frame.h"
 
 struct rb_renderer {
     const struct rb_variant *variant;
     struct rb_frame frame;
     struct rb_worker *workers;
-    struct rb_bvh bvh;
+    struct rb_bvh bvh; // one of these three, or none
+    struct rb_wide wide;
     struct rb_embree *embree;
     size_t embree_bytes;
     uint64_t build_ns;

@@ -119,17 +119,6 @@ void rb_queues_free(struct rb_queues *queues)
     *queues = (struct rb_queues){0};
 }
 
-struct rb_rays rb_rays_view(const struct rb_rays *r, uint32_t first, uint32_t count,
-                            uint32_t capacity)
-{
-    return (struct rb_rays){
-        r->ox + first,   r->oy + first,   r->oz + first,     r->dx + first,
-        r->dy + first,   r->dz + first,   r->weight + first, r->pixel + first,
-        r->path + first, r->self + first, r->media + first,  count,
-        capacity,
-    };
-}
-
 void rb_rays_move(struct rb_rays *r, uint32_t to, uint32_t from, uint32_t count)
 {
     float *const floats[] = {r->ox, r->oy, r->oz, r->dx, r->dy, r->dz, r->weight};

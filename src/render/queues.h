@@ -8,7 +8,7 @@
 #define RB_RENDER_QUEUES_H
 
 #include "base/status.h"
-#include "kernels/kernel.h"
+#include "kernels/part.h"
 
 // Shadow rays wait until RB_SHADOW_BATCHES batches of them are together or the lights are done.
 enum { RB_BATCH_MAX = 4096, RB_SHADOW_BATCHES = 2 };
@@ -52,11 +52,6 @@ size_t rb_members_place(const struct rb_members *members, char *memory, uint32_t
 
 // Where an array begins.
 char *rb_member_array(const struct rb_member *member);
-
-// The part of a ray queue from `first` on: a view with room for `capacity` rays, `count` of them
-// there.
-struct rb_rays rb_rays_view(const struct rb_rays *rays, uint32_t first, uint32_t count,
-                            uint32_t capacity);
 
 // Moves `count` rays from index `from` down to index `to`.
 void rb_rays_move(struct rb_rays *rays, uint32_t to, uint32_t from, uint32_t count);

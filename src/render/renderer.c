@@ -1,6 +1,5 @@
 #include "render/renderer.h"
 
-#include "accel/bvh.h"
 #include "base/fpenv.h"
 #include "base/hash.h"
 #include "base/memory.h"
@@ -37,15 +36,23 @@ static enum rb_status build_embree(struct rb_renderer *renderer, struct rb_error
 
 static enum rb_status build_accelerator(struct rb_renderer *renderer, struct rb_error *error)
 {
-    if (renderer->variant->accelerator == RB_ACCEL_NONE)
+    struct rb_world *world = &renderer->frame.world;
+    enum rb_accelerator accelerator = renderer->variant->accelerator;
+    int threads = worker_count(renderer);
+    enum rb_status status = RB_OK;
+    if (accelerator == RB_ACCEL_NONE)
         return RB_OK;
-    if (renderer->variant->accelerator == RB_ACCEL_EMBREE)
+    if (accelerator == RB_ACCEL_EMBREE)
         return build_embree(renderer, error);
     uint64_t start_ns = rb_clock_ns();
-    enum rb_status status =
-        rb_bvh_build(renderer->frame.world.scene, worker_count(renderer), &renderer->bvh, error);
+    if (accelerator == RB_ACCEL_BVH) {
+        status = rb_bvh_build(world->scene, threads, &renderer->bvh, error);
+        world->bvh = &renderer->bvh;
+    } else {
+        status = rb_wide_build(world->scene, threads, &renderer->wide, error);
+        world->wide = &renderer->wide;
+    }
     renderer->build_ns = rb_clock_ns() - start_ns;
-    renderer->frame.world.bvh = &renderer->bvh;
     return status;
 }
 
@@ -124,6 +131,7 @@ void rb_renderer_free(struct rb_renderer *renderer)
     rb_free(renderer->workers);
     rb_free(renderer->frame.film.rgb);
     rb_bvh_free(&renderer->bvh);
+    rb_wide_free(&renderer->wide);
     rb_embree_free(renderer->embree);
     rb_free(renderer);
 }
@@ -243,5 +251,5 @@ uint64_t rb_renderer_build_ns(const struct rb_renderer *renderer)
 
 size_t rb_renderer_tree_bytes(const struct rb_renderer *renderer)
 {
-    return renderer->bvh.bytes + renderer->embree_bytes;
+    return renderer->bvh.bytes + renderer->wide.bytes + renderer->embree_bytes;
 }

@@ -9,6 +9,7 @@
 
 #define OPENMP  "OpenMP"
 #define PACKETS "packet-*"
+#define FRUSTUM "frustum-*"
 
 #define KERNELS(set) .kernels = &(set), .counted = &set##_counted
 
@@ -30,151 +31,65 @@
 #endif
 static const struct rb_embree_tree embree_tree = {.high = false};
 
+// A serial row, and the one whose tiles are shared among threads: `what` says which kernels.
+#define PAIR(row, text, base, tree, what, need, need_omp)                                          \
+    {                                                                                              \
+        .name = row,                                                                               \
+        .summary = text,                                                                           \
+        .baseline = base,                                                                          \
+        .accelerator = tree,                                                                       \
+        .schedule = rb_schedule_serial,                                                            \
+        .needs = need,                                                                             \
+        .exact = true,                                                                             \
+        what,                                                                                      \
+    },                                                                                             \
+    {                                                                                              \
+        .name = row "+omp", .summary = row ", tiles shared among threads", .baseline = row,        \
+        .accelerator = tree, .schedule = rb_schedule_openmp, .needs = need_omp, .exact = true,     \
+        what,                                                                                      \
+    }
+
 const struct rb_variant rb_variants[] = {
-    {
-        .name = "naive",
-        .summary = "scalar reference: every ray against every primitive",
-        .baseline = "naive",
-        KERNELS(rb_kernels_naive),
-        .accelerator = RB_ACCEL_NONE,
-        .schedule = rb_schedule_serial,
-        .needs = "",
-        .exact = true,
-    },
-    {
-        .name = "naive+omp",
-        .summary = "naive, tiles shared among threads",
-        .baseline = "naive",
-        KERNELS(rb_kernels_naive),
-        .accelerator = RB_ACCEL_NONE,
-        .schedule = rb_schedule_openmp,
-        .needs = OPENMP,
-        .exact = true,
-    },
-    {
-        .name = "bvh",
-        .summary = "scalar binary BVH, binned SAH, one ray at a time",
-        .baseline = "naive",
-        KERNELS(rb_kernels_bvh),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_serial,
-        .needs = "",
-        .exact = true,
-    },
-    {
-        .name = "bvh+omp",
-        .summary = "bvh, tiles shared among threads",
-        .baseline = "bvh",
-        KERNELS(rb_kernels_bvh),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_openmp,
-        .needs = OPENMP,
-        .exact = true,
-    },
-    {
-        .name = "packet-sse2",
-        .summary = "packets of 4 rays through the binary BVH",
-        .baseline = "bvh",
-        X86(rb_kernels_packet_sse2),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_serial,
-        .needs = "sse2",
-        .exact = true,
-    },
-    {
-        .name = "packet-sse2+omp",
-        .summary = "packet-sse2, tiles shared among threads",
-        .baseline = "packet-sse2",
-        X86(rb_kernels_packet_sse2),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_openmp,
-        .needs = "sse2," OPENMP,
-        .exact = true,
-    },
-    {
-        .name = "packet-neon",
-        .summary = "packets of 4 rays through the binary BVH",
-        .baseline = "bvh",
-        NEON(rb_kernels_packet_neon),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_serial,
-        .needs = "neon",
-        .exact = true,
-    },
-    {
-        .name = "packet-neon+omp",
-        .summary = "packet-neon, tiles shared among threads",
-        .baseline = "packet-neon",
-        NEON(rb_kernels_packet_neon),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_openmp,
-        .needs = "neon," OPENMP,
-        .exact = true,
-    },
-    {
-        .name = "packet-avx2",
-        .summary = "packets of 8 rays through the binary BVH",
-        .baseline = "bvh",
-        X86(rb_kernels_packet_avx2),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_serial,
-        .needs = "avx2",
-        .exact = true,
-    },
-    {
-        .name = "packet-avx2+omp",
-        .summary = "packet-avx2, tiles shared among threads",
-        .baseline = "packet-avx2",
-        X86(rb_kernels_packet_avx2),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_openmp,
-        .needs = "avx2," OPENMP,
-        .exact = true,
-    },
-    {
-        .name = "packet-avx512",
-        .summary = "packets of 16 rays through the binary BVH",
-        .baseline = "bvh",
-        X86(rb_kernels_packet_avx512),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_serial,
-        .needs = "avx512f",
-        .exact = true,
-    },
-    {
-        .name = "packet-avx512+omp",
-        .summary = "packet-avx512, tiles shared among threads",
-        .baseline = "packet-avx512",
-        X86(rb_kernels_packet_avx512),
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_openmp,
-        .needs = "avx512f," OPENMP,
-        .exact = true,
-    },
-    {
-        .name = "packet",
-        .summary = "the widest packets this machine has",
-        .baseline = "bvh",
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_serial,
-        .needs = PACKETS,
-        .exact = true,
-        .best_of = PACKETS,
-    },
-    {
-        .name = "packet+omp",
-        .summary = "packet, tiles shared among threads",
-        .baseline = "packet",
-        .accelerator = RB_ACCEL_BVH,
-        .schedule = rb_schedule_openmp,
-        .needs = PACKETS "," OPENMP,
-        .exact = true,
-        .best_of = PACKETS,
-    },
+    PAIR("naive", "scalar reference: every ray against every primitive", "naive", RB_ACCEL_NONE,
+         KERNELS(rb_kernels_naive), "", OPENMP),
+    PAIR("bvh", "scalar binary BVH, binned SAH, one ray at a time", "naive", RB_ACCEL_BVH,
+         KERNELS(rb_kernels_bvh), "", OPENMP),
+    PAIR("bvh8-sse2", "one ray against 8 boxes, as 2 x 4 lanes", "bvh", RB_ACCEL_WIDE,
+         X86(rb_kernels_wide_sse2), "sse2", "sse2," OPENMP),
+    PAIR("bvh8-neon", "one ray against 8 boxes, as 2 x 4 lanes", "bvh", RB_ACCEL_WIDE,
+         NEON(rb_kernels_wide_neon), "neon", "neon," OPENMP),
+    PAIR("bvh8-avx2", "one ray against 8 boxes or primitives at once", "bvh", RB_ACCEL_WIDE,
+         X86(rb_kernels_wide_avx2), "avx2", "avx2," OPENMP),
+    PAIR("stream-sse2", "batches of rays go from node to node together, each against 8 boxes",
+         "bvh8-sse2", RB_ACCEL_WIDE, X86(rb_kernels_stream_sse2), "sse2", "sse2," OPENMP),
+    PAIR("stream-neon", "batches of rays go from node to node together, each against 8 boxes",
+         "bvh8-neon", RB_ACCEL_WIDE, NEON(rb_kernels_stream_neon), "neon", "neon," OPENMP),
+    PAIR("stream-avx2", "batches of rays go from node to node together, each against 8 boxes",
+         "bvh8-avx2", RB_ACCEL_WIDE, X86(rb_kernels_stream_avx2), "avx2,bmi2", "avx2,bmi2," OPENMP),
+    PAIR("packet-sse2", "packets of 4 rays through the binary BVH", "bvh", RB_ACCEL_BVH,
+         X86(rb_kernels_packet_sse2), "sse2", "sse2," OPENMP),
+    PAIR("packet-neon", "packets of 4 rays through the binary BVH", "bvh", RB_ACCEL_BVH,
+         NEON(rb_kernels_packet_neon), "neon", "neon," OPENMP),
+    PAIR("packet-avx2", "packets of 8 rays through the binary BVH", "bvh", RB_ACCEL_BVH,
+         X86(rb_kernels_packet_avx2), "avx2", "avx2," OPENMP),
+    PAIR("packet-avx512", "packets of 16 rays through the binary BVH", "bvh", RB_ACCEL_BVH,
+         X86(rb_kernels_packet_avx512), "avx512f", "avx512f," OPENMP),
+    PAIR("frustum-sse2", "bundles of 256 rays culled as a whole, else streams", "packet-sse2",
+         RB_ACCEL_WIDE, X86(rb_kernels_frustum_sse2), "sse2", "sse2," OPENMP),
+    PAIR("frustum-neon", "bundles of 256 rays culled as a whole, else streams", "packet-neon",
+         RB_ACCEL_WIDE, NEON(rb_kernels_frustum_neon), "neon", "neon," OPENMP),
+    PAIR("frustum-avx2", "bundles of 256 rays culled as a whole, else streams", "packet-avx2",
+         RB_ACCEL_WIDE, X86(rb_kernels_frustum_avx2), "avx2,bmi2", "avx2,bmi2," OPENMP),
+    PAIR("frustum-avx512", "bundles of 256 rays culled as a whole, else streams", "packet-avx512",
+         RB_ACCEL_WIDE, X86(rb_kernels_frustum_avx512), "avx512f,bmi2", "avx512f,bmi2," OPENMP),
+    PAIR("packet", "the widest packets this machine has", "bvh", RB_ACCEL_BVH, .best_of = PACKETS,
+         PACKETS, PACKETS "," OPENMP),
+    PAIR("auto", "the fastest this machine has: bundles of rays, or streams", "packet",
+         RB_ACCEL_WIDE, .best_of = FRUSTUM, FRUSTUM, FRUSTUM "," OPENMP),
     {
         .name = "embree",
         .summary = "yardstick: Embree's packets of 8 rays",
-        .baseline = "packet",
+        .baseline = "auto",
         EMBREE,
         .accelerator = RB_ACCEL_EMBREE,
         .schedule = rb_schedule_serial,

@@ -20,7 +20,7 @@ typedef void rb_schedule_fn(struct rb_frame *frame, struct rb_worker *workers, i
 rb_schedule_fn rb_schedule_serial;
 rb_schedule_fn rb_schedule_openmp; // serial where the compiler has no OpenMP; the rows say so
 
-enum rb_accelerator { RB_ACCEL_NONE, RB_ACCEL_BVH, RB_ACCEL_EMBREE };
+enum rb_accelerator { RB_ACCEL_NONE, RB_ACCEL_BVH, RB_ACCEL_WIDE, RB_ACCEL_EMBREE };
 
 #define RB_EMBREE_NEEDS "libembree"
 

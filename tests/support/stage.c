@@ -21,9 +21,11 @@ void stage_check(enum rb_status status)
 static void prepare(struct stage *stage)
 {
     stage_check(rb_bvh_build(&stage->scene, 1, &stage->bvh, &stage_failure));
+    stage_check(rb_wide_build(&stage->scene, 1, &stage->wide, &stage_failure));
     if (!ref_world_build(&stage->scene, &stage->reference))
         stage_give_up("no memory");
-    stage->world = (struct rb_world){.scene = &stage->scene, .bvh = &stage->bvh};
+    stage->world =
+        (struct rb_world){.scene = &stage->scene, .bvh = &stage->bvh, .wide = &stage->wide};
 }
 
 void stage_build(struct stage *stage, struct rb_scene_builder *builder)
@@ -41,6 +43,7 @@ void stage_load(struct stage *stage, const char *name)
 void stage_close(struct stage *stage)
 {
     rb_bvh_free(&stage->bvh);
+    rb_wide_free(&stage->wide);
     ref_world_free(&stage->reference);
     rb_scene_free(&stage->scene);
 }

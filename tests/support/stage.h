@@ -3,6 +3,7 @@
 #define TESTS_SUPPORT_STAGE_H
 
 #include "accel/bvh.h"
+#include "accel/wide.h"
 #include "base/vec.h"
 #include "kernels/kernel.h"
 #include "scene/load.h"
@@ -11,7 +12,8 @@
 struct stage {
     struct rb_scene scene;
     struct rb_bvh bvh;
-    struct rb_world world; // both of them, two-sided; the stage must not move
+    struct rb_wide wide;
+    struct rb_world world; // all of them, two-sided; the stage must not move
     struct ref_world reference;
 };
 

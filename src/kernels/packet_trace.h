@@ -1,0 +1,213 @@
+// A packet of RB_LANES rays against one box or one primitive: the tests of intersect.h, lane by
+// lane.
+#ifndef RB_KERNELS_PACKET_TRACE_H
+#define RB_KERNELS_PACKET_TRACE_H
+
+#include "kernels/intersect.h"
+#include "kernels/simd.h"
+
+// rb_ray, lane by lane. All rays of a packet are of one kind.
+struct packet {
+    struct vvec o, d, inv;
+    vint backward[3]; // lanes whose direction is negative on that axis
+    vint self;
+    bool shadow;
+};
+
+// rb_hit, lane by lane.
+struct hits {
+    vfloat t, u, v;
+    vint prim;
+};
+
+struct interval {
+    vfloat near, far;
+};
+
+static inline vfloat safe_inverse(vfloat d)
+{
+    vfloat magnitude = vf_max(vf_abs(d), vf_set(RB_DIRECTION_MIN));
+    vint sign = (vint)d & vi_set(0x80000000u);
+    return 1.0f / (vfloat)((vint)magnitude | sign);
+}
+
+static inline struct packet packet_make(struct vvec o, struct vvec d, vint self, bool shadow)
+{
+    struct vvec inv = {safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z)};
+    return (struct packet){o, d, inv, {inv.x < 0.0f, inv.y < 0.0f, inv.z < 0.0f}, self, shadow};
+}
+
+// One ray of the packet, for what is too rare to have a vector form.
+static struct rb_ray packet_ray(const struct packet *packet, int lane)
+{
+    struct rb_vec o = {packet->o.x[lane], packet->o.y[lane], packet->o.z[lane]};
+    struct rb_vec d = {packet->d.x[lane], packet->d.y[lane], packet->d.z[lane]};
+    return rb_ray_make(o, d, (uint32_t)packet->self[lane],
+                       packet->shadow ? RB_SIDES_BOTH : RB_SIDES_VISIBLE);
+}
+
+// rb_slab
+static inline void slab(float low, float high, vfloat o, vfloat inv, vint backward,
+                        struct interval *range)
+{
+    vfloat t_low = (low - o) * inv, t_high = (high - o) * inv;
+    vfloat near = vf_select(backward, t_high, t_low), far = vf_select(backward, t_low, t_high);
+    range->near = vf_max(range->near, near);
+    range->far = vf_min(range->far, far * RB_FAR_SCALE);
+}
+
+// rb_box
+static inline struct interval box(const float low[3], const float high[3],
+                                  const struct packet *packet)
+{
+    struct interval range = {vf_set(0.0f), vf_set(INFINITY)};
+    slab(low[0], high[0], packet->o.x, packet->inv.x, packet->backward[0], &range);
+    slab(low[1], high[1], packet->o.y, packet->inv.y, packet->backward[1], &range);
+    slab(low[2], high[2], packet->o.z, packet->inv.z, packet->backward[2], &range);
+    return range;
+}
+
+// rb_count_primitive
+static inline void count_primitive(vint active, size_t bytes)
+{
+    (void)active, (void)bytes;
+    RB_COUNT_STEP(vi_bits(active), RB_LANES);
+    RB_COUNT_RAYS(BOXES, vi_bits(active), 1);
+    RB_COUNT_BYTES(PRIMITIVE_BYTES, bytes);
+}
+
+// rb_sphere_test, own box included, for rays that see both sides or what a negative radius leaves.
+static inline vint sphere_hit(const struct rb_sphere *sphere, const struct packet *packet,
+                              vint active, vint own, struct hits *hit)
+{
+    float low[3], high[3];
+    rb_sphere_bounds(sphere, low, high);
+    struct interval range = box(low, high, packet);
+    vint passes = active & (range.near <= range.far);
+    count_primitive(active, sizeof *sphere);
+    if (!vi_any(passes))
+        return passes;
+    RB_COUNT_RAYS(SPHERES, vi_bits(passes), 1);
+    struct vvec l = vv_sub(vv_set(sphere->center), packet->o);
+    vfloat b = vv_dot(l, packet->d);
+    struct vvec apart = vv_mad(l, -b, packet->d);
+    vfloat discriminant = sphere->radius * sphere->radius - vv_dot(apart, apart);
+    vfloat root = vf_sqrt(discriminant);
+    vfloat near = b - root, far = vf_select(own, b + b, b + root);
+    vint take_near = (near > 0.0f) & ~own;
+    if (sphere->radius < 0.0f && !packet->shadow)
+        take_near = vi_set(0);
+    vfloat t = vf_select(take_near, near, far);
+    vint found = passes & (discriminant >= 0.0f) & (t > 0.0f);
+    hit->t = vf_min(vf_max(t, range.near), range.far);
+    hit->u = hit->v = vf_set(0.0f);
+    return packet->shadow ? found & ~own : found;
+}
+
+// rb_triangle_test, own box included.
+static inline vint triangle_hit(const struct rb_triangle *triangle, const struct packet *packet,
+                                vint active, vint own, struct hits *hit)
+{
+    float low[3], high[3];
+    rb_triangle_bounds(triangle, low, high);
+    struct interval range = box(low, high, packet);
+    vint passes = active & (range.near <= range.far) & ~own;
+    count_primitive(active, sizeof *triangle);
+    if (!vi_any(passes))
+        return passes;
+    RB_COUNT_RAYS(TRIANGLES, vi_bits(passes), 1);
+    struct rb_vec corner = rb_vec_of(triangle->v[0]);
+    struct rb_vec edge1 = rb_vec_sub(rb_vec_of(triangle->v[1]), corner);
+    struct rb_vec edge2 = rb_vec_sub(rb_vec_of(triangle->v[2]), corner);
+    struct vvec e1 = {vf_set(edge1.x), vf_set(edge1.y), vf_set(edge1.z)};
+    struct vvec e2 = {vf_set(edge2.x), vf_set(edge2.y), vf_set(edge2.z)};
+    struct vvec s = vv_sub(packet->o, vv_set(triangle->v[0]));
+    struct vvec p = vv_cross(packet->d, e2), q = vv_cross(s, e1);
+    vfloat det = vv_dot(e1, p);
+    vint flip = (vint)det & vi_set(0x80000000u); // a product with the sign of det
+    vfloat area = vf_abs(det);
+    vfloat us = (vfloat)((vint)vv_dot(s, p) ^ flip);
+    vfloat vs = (vfloat)((vint)vv_dot(packet->d, q) ^ flip);
+    vfloat slack =
+        RB_EDGE_TOLERANCE * vv_reach(s) * rb_max(rb_vec_reach(edge1), rb_vec_reach(edge2));
+    vint inside =
+        passes & (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) & (area >= FLT_MIN);
+    if (!vi_any(inside))
+        return inside;
+    vfloat inverse = 1.0f / area, zero = vf_set(0.0f), one = vf_set(1.0f);
+    vfloat t = (vfloat)((vint)vv_dot(e2, q) ^ flip) * inverse;
+    hit->u = vf_min(vf_max(us * inverse, zero), one);
+    hit->v = vf_min(vf_max(vs * inverse, zero), one - hit->u);
+    hit->t = vf_min(vf_max(t, range.near), range.far);
+    return inside;
+}
+
+// Cones are rare: one ray after the other.
+static vint cone_hit(const struct rb_scene *scene, uint32_t index, const struct packet *packet,
+                     vint active, struct hits *hit)
+{
+    vint found = vi_set(0);
+    for (int lane = 0; lane < RB_LANES; lane++) {
+        struct rb_ray ray = packet_ray(packet, lane);
+        struct rb_hit one;
+        RB_COUNT_LANE(lane);
+        if (active[lane] && rb_cone_hit(scene, index, &ray, &one)) {
+            found[lane] = -1;
+            hit->t[lane] = one.t;
+        }
+        RB_COUNT_LANE(-lane);
+    }
+    hit->u = hit->v = vf_set(0.0f);
+    return found;
+}
+
+// Lanes of `active` that hit bounded primitive `id`, at a positive distance.
+static inline vint primitive_hit(const struct rb_scene *scene, uint32_t id,
+                                 const struct packet *packet, vint active, struct hits *hit)
+{
+    vint own = packet->self == vi_set(id), found;
+    hit->prim = vi_set(id);
+    hit->t = vf_set(0.0f);
+    switch (rb_scene_kind(scene, id)) {
+    case RB_SPHERE:
+        found = sphere_hit(&scene->spheres[id], packet, active, own, hit);
+        break;
+    case RB_TRIANGLE:
+        found = triangle_hit(&scene->triangles[id - scene->first[RB_TRIANGLE]], packet, active, own,
+                             hit);
+        break;
+    default:
+        found = cone_hit(scene, id - scene->first[RB_CONE], packet, active, hit);
+        break;
+    }
+    return found & active & (hit->t > 0.0f);
+}
+
+// rb_plane_hit
+static vint plane_hit(const struct rb_scene *scene, uint32_t index, const struct packet *packet,
+                      vint active, struct hits *hit)
+{
+    const struct rb_plane *plane = &scene->planes[index];
+    struct vvec n = vv_set(plane->normal);
+    RB_COUNT_STEP(vi_bits(active), RB_LANES);
+    RB_COUNT_RAYS(PLANES,
+                  vi_bits(active & (packet->self != vi_set(scene->first[RB_PLANE] + index))), 1);
+    RB_COUNT_BYTES(PRIMITIVE_BYTES, sizeof *plane);
+    hit->prim = vi_set(scene->first[RB_PLANE] + index);
+    hit->t = (plane->distance - vv_dot(n, packet->o)) / vv_dot(n, packet->d);
+    hit->u = hit->v = vf_set(0.0f);
+    return (hit->t > 0.0f) & (hit->t < INFINITY) & (packet->self != hit->prim);
+}
+
+// Takes over the lanes of `found` that are closer, or as close with a lower id.
+static inline void keep_closest(struct hits *best, const struct hits *hit, vint found)
+{
+    vint lower = (vint)((vuint)hit->prim < (vuint)best->prim);
+    vint closer = found & ((hit->t < best->t) | ((hit->t == best->t) & lower));
+    best->t = vf_select(closer, hit->t, best->t);
+    best->u = vf_select(closer, hit->u, best->u);
+    best->v = vf_select(closer, hit->v, best->v);
+    best->prim = vi_select(closer, hit->prim, best->prim);
+}
+
+#endif

@@ -1,0 +1,321 @@
+// Streams: all rays of a batch go through the wide tree together, from node to node, each of them
+// against 8 boxes at once (Tsakok 2009, "Faster incoherent rays: multi-BVH ray stream tracing";
+// Barringer and Akenine-Moeller 2014, "Dynamic ray stream traversal"). A node is fetched once for
+// all rays that reach it, its planes stay in registers, and rays do not wait for each other: what
+// single rays lose to latency and mispredicted branches is hidden, coherent or not.
+//
+// Rays are kept apart by the octant of their direction, which says for all of them which planes are
+// nearer. A visit is a node and the list of its rays. Rays that have found something closer than
+// the node drop out when the boxes of its children are tested.
+//
+// Compiled once per instruction set (Makefile); the object's name of the kernel set comes with it.
+#include "kernels/packet_generate.h"
+#include "kernels/packet_light.h"
+#include "kernels/packet_surface.h"
+#include "kernels/stream_rays.h"
+#include "kernels/wide_single.h"
+
+#ifndef RB_STREAM
+#ifdef __aarch64__
+#define RB_STREAM rb_kernels_stream_neon
+#else
+#define RB_STREAM rb_kernels_stream_sse2
+#endif
+#endif
+
+static rb_trace_fn trace;
+static rb_trace_shadow_fn trace_shadow;
+
+const struct rb_kernels RB_TWIN(RB_STREAM) = {
+    .generate = generate,
+    .trace = trace,
+    .surface = surface,
+    .light = light,
+    .trace_shadow = trace_shadow,
+};
+
+// Goes on with the rays of a visit one by one.
+static void go_alone(struct stream *stream, const struct visit *visit)
+{
+    for (uint32_t i = 0; i < visit->count; i++) {
+        uint32_t index = stream->pool[visit->list + i];
+        struct rb_ray one = ray_of(stream, index);
+        struct wide_ray ray;
+        wide_ray_make(&one, &ray);
+        struct rb_hit *best = &stream->ray[index].best;
+        RB_COUNT_BEGIN(stream->begin + index);
+        if (stream->sides != RB_SIDES_BOTH)
+            *best = single_closest(stream->world, visit->child, &ray, *best);
+        else if (single_any(stream->world, visit->child, &ray, best->t))
+            *best = OCCLUDED;
+    }
+}
+
+// Leaves of what has no vector form.
+static void visit_others(struct stream *stream, const struct visit *visit)
+{
+    const uint32_t *ids = rb_wide_ids(stream->world->wide, visit->child);
+    for (uint32_t i = 0; i < visit->count; i++) {
+        uint32_t index = stream->pool[visit->list + i];
+        struct rb_ray ray = ray_of(stream, index);
+        struct rb_hit *best = &stream->ray[index].best;
+        RB_COUNT_BEGIN(stream->begin + index);
+        if (stream->sides != RB_SIDES_BOTH)
+            *best = leaf_one_by_one(stream->world, ids, &ray, *best);
+        else if (leaf_one_by_one(stream->world, ids, &ray, RB_MISS).t < best->t)
+            *best = OCCLUDED;
+    }
+}
+
+static inline void take(const struct stream *stream, const struct wide_hits *hits,
+                        struct rb_hit *best)
+{
+    if (stream->sides != RB_SIDES_BOTH)
+        *best = keep_closest(hits, *best);
+    else if (vi_any(hits->found & (hits->t < best->t)))
+        *best = OCCLUDED;
+}
+
+// The rays of a visit against part of a block, which stays in registers.
+RB_INLINE void visit_part(struct stream *stream, const struct visit *visit, int lane,
+                          enum rb_wide_kind kind)
+{
+    const struct rb_wide *wide = stream->world->wide;
+    uint32_t block = rb_wide_index_of(visit->child);
+    struct wide_spheres spheres;
+    struct wide_triangles triangles;
+    if (kind == RB_WIDE_SPHERES)
+        spheres = wide_spheres_load(&wide->spheres[block], lane);
+    else
+        triangles = wide_triangles_load(&wide->triangles[block], lane);
+    for (uint32_t i = 0; i < visit->count; i++) {
+        struct stream_ray *from = &stream->ray[stream->pool[visit->list + i]];
+        struct rb_ray one = {.self = from->self, .sides = stream->sides};
+        struct wide_ray ray = {
+            .o = vv_set(from->o), .inv = vv_set(from->inv), .d = vv_set(from->d), .one = &one};
+        struct wide_hits hits = kind == RB_WIDE_SPHERES ? wide_spheres_hit(&spheres, &ray)
+                                                        : wide_triangles_hit(&triangles, &ray);
+        take(stream, &hits, &from->best);
+    }
+}
+
+static void visit_spheres(struct stream *stream, const struct visit *visit)
+{
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
+        visit_part(stream, visit, lane, RB_WIDE_SPHERES);
+}
+
+static void visit_triangles(struct stream *stream, const struct visit *visit)
+{
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
+        visit_part(stream, visit, lane, RB_WIDE_TRIANGLES);
+}
+
+static void visit_leaf(struct stream *stream, const struct visit *visit)
+{
+    enum rb_wide_kind kind = rb_wide_kind_of(visit->child);
+    if (kind == RB_WIDE_OTHERS || stream->sides == RB_SIDES_FRONT) {
+        visit_others(stream, visit);
+        return;
+    }
+    if (kind == RB_WIDE_SPHERES)
+        visit_spheres(stream, visit);
+    else
+        visit_triangles(stream, visit);
+    for (uint32_t i = 0; RB_COUNTS && i < visit->count; i++) {
+        RB_COUNT_BEGIN(stream->begin + stream->pool[visit->list + i]);
+        RB_COUNT(count_leaf(stream->world->wide, visit->child));
+    }
+}
+
+// Row i of an 8 x 8 bit matrix, a byte, becomes its column i (Warren, "Hacker's Delight").
+static inline uint64_t transpose(uint64_t m)
+{
+    uint64_t swap = (m ^ m >> 7) & 0x00aa00aa00aa00aau;
+    m ^= swap ^ swap << 7;
+    swap = (m ^ m >> 14) & 0x0000cccc0000ccccu;
+    m ^= swap ^ swap << 14;
+    swap = (m ^ m >> 28) & 0x00000000f0f0f0f0u;
+    return m ^ swap ^ swap << 28;
+}
+
+// Which children the rays of a list reach: bits by ray, counts and sums of distances by child.
+static void test_node(struct stream *stream, const struct rb_wide_node *node,
+                      const struct visit *visit, uint32_t counts[RB_WIDE], float sums[RB_WIDE])
+{
+    const int *b = stream->backward;
+    struct vvec near[WIDE_PARTS], far[WIDE_PARTS];
+    vint hits[WIDE_PARTS];
+    vfloat sum[WIDE_PARTS];
+    for (int part = 0; part < WIDE_PARTS; part++) {
+        near[part] = (struct vvec){vf_load(node->bounds[0][b[0]] + part * RB_LANES),
+                                   vf_load(node->bounds[1][b[1]] + part * RB_LANES),
+                                   vf_load(node->bounds[2][b[2]] + part * RB_LANES)};
+        far[part] = (struct vvec){vf_load(node->bounds[0][!b[0]] + part * RB_LANES),
+                                  vf_load(node->bounds[1][!b[1]] + part * RB_LANES),
+                                  vf_load(node->bounds[2][!b[2]] + part * RB_LANES)};
+        hits[part] = vi_set(0);
+        sum[part] = vf_set(0.0f);
+    }
+    for (uint32_t i = 0; i < visit->count; i++) {
+        uint32_t index = stream->pool[visit->list + i];
+        const struct stream_ray *one = &stream->ray[index];
+        struct wide_ray ray;
+        ray.o = vv_set(one->o), ray.inv = vv_set(one->inv);
+        vfloat limit = vf_set(one->best.t);
+        unsigned bits = 0;
+        for (int part = 0; part < WIDE_PARTS; part++) {
+            vfloat from, to;
+            wide_slabs(near[part], far[part], &ray, &from, &to);
+            vint hit = from <= vf_min(to, limit);
+            bits |= vi_bits(hit) << (part * RB_LANES);
+            hits[part] -= hit;
+            sum[part] += (vfloat)((vint)from & hit);
+        }
+        stream->bits[i] = (uint8_t)bits;
+        RB_COUNT_BEGIN(stream->begin + index);
+        RB_COUNT_STEP((1u << node->count) - 1, RB_WIDE);
+        RB_COUNT_RAYS(NODES, 1, 1);
+        RB_COUNT_RAYS(BOXES, 1, node->count);
+    }
+    RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
+    for (uint32_t i = 0; i < visit->count; i += 8) {
+        uint64_t eight;
+        memcpy(&eight, stream->bits + i, 8);
+        uint32_t rest = visit->count - i;
+        if (rest < 8)
+            eight &= ((uint64_t)1 << 8 * rest) - 1;
+        eight = transpose(eight);
+        memcpy(stream->bits + i, &eight, 8);
+    }
+    for (int part = 0; part < WIDE_PARTS; part++) {
+        vi_store(counts + part * RB_LANES, hits[part]);
+        vf_store(sums + part * RB_LANES, sum[part]);
+    }
+}
+
+// The rays of a list that reach child `lane`; whole vectors are written.
+static inline void filter(const struct stream *stream, const struct visit *visit, int lane,
+                          uint32_t *to)
+{
+    for (uint32_t i = 0; i < visit->count; i += RB_LANES) {
+        unsigned bits = stream->bits[i / 8 * 8 + (uint32_t)lane] >> i % 8 & VI_ALL_BITS;
+        to += vi_pack(to, vi_load(stream->pool + visit->list + i), bits);
+    }
+}
+
+static inline void prefetch(const struct rb_wide *wide, rb_wide_child child)
+{
+    uint32_t index = rb_wide_index_of(child);
+    enum rb_wide_kind kind = rb_wide_kind_of(child);
+    const char *at = kind == RB_WIDE_NODE      ? (const char *)&wide->nodes[index]
+                     : kind == RB_WIDE_SPHERES ? (const char *)&wide->spheres[index]
+                                               : (const char *)&wide->triangles[index];
+    for (int i = 0; i < (kind == RB_WIDE_TRIANGLES ? 5 : 4); i++)
+        __builtin_prefetch(at + 64 * i);
+}
+
+// Leaves visits of the children on the stack, the one that is nearest on average on top.
+static int visit_node(struct stream *stream, const struct visit *visit, uint32_t top, int depth)
+{
+    const struct rb_wide_node *node = &stream->world->wide->nodes[visit->child];
+    uint32_t counts[RB_WIDE];
+    float sums[RB_WIDE];
+    uint64_t order[RB_WIDE];
+    int reached = 0;
+    test_node(stream, node, visit, counts, sums);
+    for (uint32_t lane = 0; lane < RB_WIDE; lane++) {
+        if (!counts[lane])
+            continue;
+        uint64_t key = visit_make(sums[lane] / (float)counts[lane], lane);
+        int at = reached++;
+        for (; at > 0 && order[at - 1] < key; at--)
+            order[at] = order[at - 1];
+        order[at] = key;
+    }
+    for (int i = 0; i < reached; i++) {
+        int lane = (int)(uint32_t)order[i];
+        stream->stack[depth++] = (struct visit){node->child[lane], top, counts[lane]};
+        filter(stream, visit, lane, stream->pool + top);
+        prefetch(stream->world->wide, node->child[lane]);
+        top += counts[lane];
+    }
+    return depth;
+}
+
+// Sends the rays of one octant, a list in the pool, through the tree. What is above `floor` in the
+// pool is free.
+static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint32_t floor)
+{
+    int depth = 0;
+    stream->stack[depth++] = (struct visit){0, list, count};
+    while (depth > 0) {
+        struct visit visit = stream->stack[--depth];
+        uint32_t end = visit.list + visit.count, top = end > floor ? end : floor;
+        if (rb_wide_kind_of(visit.child) != RB_WIDE_NODE)
+            visit_leaf(stream, &visit);
+        else if (POOL - top < RB_WIDE * (visit.count + 1))
+            go_alone(stream, &visit);
+        else
+            depth = visit_node(stream, &visit, top, depth);
+    }
+}
+
+static void run(struct stream *stream)
+{
+    uint32_t first[OCTANTS + 2] = {0}; // of each octant, in the pool
+    if (stream->world->wide->count[RB_WIDE_NODE] == 0)
+        return;
+    for (uint32_t i = 0; i < stream->count; i++)
+        first[stream->octant[i] + 1]++;
+    for (int octant = 0; octant < OCTANTS; octant++)
+        first[octant + 1] += first[octant];
+    uint32_t next[OCTANTS + 1];
+    memcpy(next, first, sizeof next);
+    for (uint32_t i = 0; i < stream->count; i++)
+        stream->pool[next[stream->octant[i]]++] = i;
+    for (int octant = 0; octant < OCTANTS; octant++) {
+        uint32_t count = first[octant + 1] - first[octant];
+        for (int k = 0; k < 3; k++)
+            stream->backward[k] = octant >> k & 1;
+        if (count)
+            traverse(stream, first[octant], count, first[OCTANTS]);
+    }
+}
+
+static void trace(const struct rb_world *world, const struct rb_rays *rays, struct rb_hits *hits)
+{
+    struct source source = {rays->ox, rays->oy, rays->oz,   rays->dx, rays->dy,
+                            rays->dz, NULL,     rays->self, 0,        rays->count};
+    struct stream stream;
+    stream.world = world;
+    stream.sides = world->one_sided ? RB_SIDES_FRONT : RB_SIDES_VISIBLE;
+    for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream_fill(&stream, &source);
+        run(&stream);
+        for (uint32_t i = 0; i < stream.count; i++) {
+            rb_hit_store(hits, source.begin + i, &stream.ray[i].best);
+            RB_COUNT_BEGIN(source.begin + i);
+            RB_COUNT_RAYS(HITS, stream.ray[i].best.prim != RB_NONE, 1);
+        }
+    }
+}
+
+static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadows)
+{
+    struct source source = {shadows->ox, shadows->oy,   shadows->oz,       shadows->dx,
+                            shadows->dy, shadows->dz,   shadows->distance, shadows->self,
+                            0,           shadows->count};
+    struct stream stream;
+    stream.world = world;
+    stream.sides = RB_SIDES_BOTH;
+    for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream_fill(&stream, &source);
+        run(&stream);
+        for (uint32_t i = 0; i < stream.count; i++) {
+            shadows->occluded[source.begin + i] = stream.ray[i].best.prim != RB_NONE;
+            RB_COUNT_BEGIN(source.begin + i);
+            RB_COUNT_RAYS(OCCLUDED, shadows->occluded[source.begin + i], 1);
+        }
+    }
+}
