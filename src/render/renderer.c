@@ -42,7 +42,7 @@ static enum rb_status build_accelerator(struct rb_renderer *renderer, struct rb_
     enum rb_status status = RB_OK;
     if (accelerator == RB_ACCEL_NONE)
         return RB_OK;
-    if (renderer->variant->accelerator == RB_ACCEL_EMBREE)
+    if (accelerator == RB_ACCEL_EMBREE)
         return build_embree(renderer, error);
     uint64_t start_ns = rb_clock_ns();
     if (accelerator == RB_ACCEL_BVH) {

@@ -89,7 +89,7 @@ const struct rb_variant rb_variants[] = {
     {
         .name = "embree",
         .summary = "yardstick: Embree's packets of 8 rays",
-        .baseline = "packet",
+        .baseline = "auto",
         EMBREE,
         .accelerator = RB_ACCEL_EMBREE,
         .schedule = rb_schedule_serial,
