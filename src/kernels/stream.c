@@ -15,6 +15,8 @@
 // one box after the other in long lists (20 to 40 % slower as gcc compiled it).
 //
 // Compiled once per instruction set (Makefile); the object's name of the kernel set comes with it.
+#include "kernels/wide_lanes.h"
+
 #include "kernels/packet_generate.h"
 #include "kernels/packet_light.h"
 #include "kernels/packet_surface.h"

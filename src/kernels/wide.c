@@ -4,6 +4,8 @@
 // turn comes; an order given by the octant of the direction alone was rejected, it visits more.
 //
 // Compiled once per instruction set (Makefile); the object's name of the kernel set comes with it.
+#include "kernels/wide_lanes.h"
+
 #include "kernels/packet_generate.h"
 #include "kernels/packet_light.h"
 #include "kernels/packet_surface.h"
