@@ -44,8 +44,9 @@ look() { # SOURCE
         NR > 1 && $9 == 3 && measured && !((naive / $5 / $11 - 1) ^ 2 < 1e-8 &&
             (3 / $5 / $12 - 1) ^ 2 < 1e-8) { bad = 1 }
         END { exit bad || NR < 3 }' "$csv"
+    # A row that no run of hyperfine fitted in the budget of names our own clock.
     check "$1: the Markdown has every row" \
-        [ "$(grep -c "| $1" "$out/table1.md")" = $(($(wc -l <"$csv") - 1)) ]
+        [ "$(grep -cE '\| (hyperfine|raybench)' "$out/table1.md")" = $(($(wc -l <"$csv") - 1)) ]
     check "$1: the README has the block, and keeps the rest" \
         [ "$(sed -n -e '1p;$p' -e 's/^| balls_low | 3 | .*/row/p' "$readme" | tr '\n' ' ')" = \
         'top row bottom ' ]
