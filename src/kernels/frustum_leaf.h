@@ -41,28 +41,35 @@ RB_INLINE void triangle_bounds(struct leaf *leaf)
         }
 }
 
-// Opens a leaf. Returns the primitives that any ray may meet, one bit each.
+// The primitives there are, one bit each.
+static unsigned leaf_lanes(const uint32_t ids[RB_WIDE])
+{
+    unsigned bits = 0;
+    for (int lane = 0; lane < RB_WIDE; lane++)
+        bits |= (ids[lane] != RB_NONE ? 1u : 0u) << lane;
+    return bits;
+}
+
+// Opens a leaf. Returns the primitives that any ray may meet, one bit each; of missing ones the
+// bounds are NaN, and no beam meets them.
 RB_INLINE unsigned leaf_open(const struct bundle *bundle, const struct rb_wide *wide,
                              rb_wide_child child, enum rb_wide_kind kind, struct leaf *leaf)
 {
-    unsigned bits = 0;
     float enter[RB_WIDE];
     leaf->wide = wide;
     leaf->kind = kind;
     leaf->block = rb_wide_index_of(child);
     leaf->ids = rb_wide_ids(wide, child);
-    for (int lane = 0; lane < RB_WIDE; lane++)
-        bits |= (leaf->ids[lane] != RB_NONE ? 1u : 0u) << lane;
     if (kind == RB_WIDE_SPHERES)
         sphere_bounds(leaf);
     else if (kind == RB_WIDE_TRIANGLES)
         triangle_bounds(leaf);
     else
-        return bits;
+        return leaf_lanes(leaf->ids);
     struct planes planes = planes_of(bundle, leaf->bounds[0][0]);
-    bits &= bundle_boxes(bundle, &planes, enter);
+    unsigned bits = bundle_boxes(bundle, &planes, enter);
     RB_COUNT_STEP(bits, RB_WIDE);
-    return bits;
+    return bits & ((1u << RB_WIDE) - 1);
 }
 
 // Of the packets in `set` those that may meet primitive `lane` of the leaf.
