@@ -50,12 +50,14 @@ static void go_alone(struct stream *stream, const struct visit *visit)
         struct rb_ray one = ray_of(stream, index);
         struct wide_ray ray;
         wide_ray_make(&one, &ray);
-        struct rb_hit *best = &stream->ray[index].best;
         RB_COUNT_BEGIN(stream->begin + index);
-        if (stream->sides != RB_SIDES_BOTH)
-            *best = single_closest(stream->world, visit->child, &ray, *best);
-        else if (single_any(stream->world, visit->child, &ray, best->t))
-            *best = OCCLUDED;
+        if (!stream->occluded) {
+            struct rb_hit best = best_of(stream, index);
+            best = single_closest(stream->world, visit->child, &ray, best);
+            keep(stream, index, &best);
+        } else if (single_any(stream->world, visit->child, &ray, stream->ray[index].t)) {
+            keep_occluded(stream, index);
+        }
     }
 }
 
@@ -66,22 +68,26 @@ static void visit_others(struct stream *stream, const struct visit *visit)
     for (uint32_t i = 0; i < visit->count; i++) {
         uint32_t index = stream->pool[visit->list + i];
         struct rb_ray ray = ray_of(stream, index);
-        struct rb_hit *best = &stream->ray[index].best;
         RB_COUNT_BEGIN(stream->begin + index);
-        if (stream->sides != RB_SIDES_BOTH)
-            *best = leaf_one_by_one(stream->world, ids, &ray, *best);
-        else if (leaf_one_by_one(stream->world, ids, &ray, RB_MISS).t < best->t)
-            *best = OCCLUDED;
+        if (!stream->occluded) {
+            struct rb_hit best = best_of(stream, index);
+            best = leaf_one_by_one(stream->world, ids, &ray, best);
+            keep(stream, index, &best);
+        } else if (leaf_one_by_one(stream->world, ids, &ray, RB_MISS).t < stream->ray[index].t) {
+            keep_occluded(stream, index);
+        }
     }
 }
 
-static inline void take(const struct stream *stream, const struct wide_hits *hits,
-                        struct rb_hit *best)
+RB_INLINE void take(struct stream *stream, const struct wide_hits *hits, uint32_t index)
 {
-    if (stream->sides != RB_SIDES_BOTH)
-        *best = keep_closest(hits, *best);
-    else if (vi_any(hits->found & (hits->t < best->t)))
-        *best = OCCLUDED;
+    if (stream->occluded) {
+        if (vi_any(hits->found & (hits->t < stream->ray[index].t)))
+            keep_occluded(stream, index);
+    } else if (vi_any(hits->found & (hits->t <= stream->ray[index].t))) {
+        struct rb_hit best = keep_closest(hits, best_of(stream, index));
+        keep(stream, index, &best);
+    }
 }
 
 // The rays of a visit against part of a block, which stays in registers.
@@ -97,13 +103,16 @@ RB_INLINE void visit_part(struct stream *stream, const struct visit *visit, int 
     else
         triangles = wide_triangles_load(&wide->triangles[block], lane);
     for (uint32_t i = 0; i < visit->count; i++) {
-        struct stream_ray *from = &stream->ray[stream->pool[visit->list + i]];
+        uint32_t index = stream->pool[visit->list + i];
+        const struct stream_ray *from = &stream->ray[index];
         struct rb_ray one = {.self = from->self, .sides = stream->sides};
-        struct wide_ray ray = {
-            .o = vv_set(from->o), .inv = vv_set(from->inv), .d = vv_set(from->d), .one = &one};
+        struct wide_ray ray = {.o = vv_set(from->o),
+                               .inv = vv_set(from->inv),
+                               .d = vv_set(stream->d[index]),
+                               .one = &one};
         struct wide_hits hits = kind == RB_WIDE_SPHERES ? wide_spheres_hit(&spheres, &ray)
                                                         : wide_triangles_hit(&triangles, &ray);
-        take(stream, &hits, &from->best);
+        take(stream, &hits, index);
     }
 }
 
@@ -170,7 +179,7 @@ static void test_node(struct stream *stream, const struct rb_wide_node *node,
         const struct stream_ray *one = &stream->ray[index];
         struct wide_ray ray;
         ray.o = vv_set(one->o), ray.inv = vv_set(one->inv);
-        vfloat limit = vf_set(one->best.t);
+        vfloat limit = vf_set(one->t);
         unsigned bits = 0;
         for (int part = 0; part < WIDE_PARTS; part++) {
             vfloat from, to;
@@ -299,14 +308,16 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
     struct stream stream;
     stream.world = world;
     stream.sides = world->one_sided ? RB_SIDES_FRONT : RB_SIDES_VISIBLE;
+    stream.occluded = NULL;
     for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream.found = (struct rb_hits){hits->t + source.begin, hits->u + source.begin,
+                                        hits->v + source.begin, hits->prim + source.begin};
         stream_fill(&stream, &source);
         run(&stream);
-        for (uint32_t i = 0; i < stream.count; i++) {
-            rb_hit_store(hits, source.begin + i, &stream.ray[i].best);
-            RB_COUNT_BEGIN(source.begin + i);
-            RB_COUNT_RAYS(HITS, stream.ray[i].best.prim != RB_NONE, 1);
-        }
+    }
+    for (uint32_t i = 0; RB_COUNTS && i < rays->count; i++) {
+        RB_COUNT_BEGIN(i);
+        RB_COUNT_RAYS(HITS, hits->prim[i] != RB_NONE, 1);
     }
 }
 
@@ -319,12 +330,12 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
     stream.world = world;
     stream.sides = RB_SIDES_BOTH;
     for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream.occluded = shadows->occluded + source.begin;
         stream_fill(&stream, &source);
         run(&stream);
-        for (uint32_t i = 0; i < stream.count; i++) {
-            shadows->occluded[source.begin + i] = stream.ray[i].best.prim != RB_NONE;
-            RB_COUNT_BEGIN(source.begin + i);
-            RB_COUNT_RAYS(OCCLUDED, shadows->occluded[source.begin + i], 1);
-        }
+    }
+    for (uint32_t i = 0; RB_COUNTS && i < shadows->count; i++) {
+        RB_COUNT_BEGIN(i);
+        RB_COUNT_RAYS(OCCLUDED, shadows->occluded[i], 1);
     }
 }

@@ -11,16 +11,14 @@ enum {
     OCTANTS = 8,
 };
 
-// A ray with what it has found, a cache line.
+// What boxes are tested with, half a cache line; and what only primitives are. `t` is where a ray
+// ends: at what it has found, or before everything if it is occluded.
 struct stream_ray {
-    float o[3], inv[3], d[3];
+    float o[3], inv[3], t;
     uint32_t self;
-    struct rb_hit best; // shadow rays: t is where they end, prim RB_NONE unless they are occluded
-    uint32_t unused[2];
 };
 
-// What a shadow ray has found: nothing is closer.
-#define OCCLUDED ((struct rb_hit){.t = -1.0f, .prim = 0})
+#define OCCLUDED (-1.0f)
 
 // A node or leaf that is still to be visited by `count` rays.
 struct visit {
@@ -31,9 +29,12 @@ struct visit {
 struct stream {
     const struct rb_world *world;
     enum rb_sides sides;
+    struct rb_hits found;  // of these rays, which are found[0] on; of closest hits
+    uint8_t *occluded;     // or of shadows
     uint32_t begin, count; // rays of the queue
     int backward[3];       // of the octant in work
     struct stream_ray ray[STREAM_MAX];
+    float d[STREAM_MAX][4];
     uint32_t pool[POOL];         // lists: indices of rays
     uint8_t bits[STREAM_MAX];    // children that the rays of a list reach
     uint32_t octant[STREAM_MAX]; // OCTANTS for rays that are not valid
@@ -43,8 +44,27 @@ struct stream {
 static inline struct rb_ray ray_of(const struct stream *stream, uint32_t index)
 {
     const struct stream_ray *ray = &stream->ray[index];
-    return (struct rb_ray){rb_vec_of(ray->o), rb_vec_of(ray->d), rb_vec_of(ray->inv), ray->self,
-                           stream->sides};
+    return (struct rb_ray){rb_vec_of(ray->o), rb_vec_of(stream->d[index]), rb_vec_of(ray->inv),
+                           ray->self, stream->sides};
+}
+
+static inline struct rb_hit best_of(const struct stream *stream, uint32_t index)
+{
+    const struct rb_hits *found = &stream->found;
+    return (struct rb_hit){stream->ray[index].t, found->u[index], found->v[index],
+                           found->prim[index]};
+}
+
+static inline void keep(struct stream *stream, uint32_t index, const struct rb_hit *hit)
+{
+    stream->ray[index].t = hit->t;
+    rb_hit_store(&stream->found, index, hit);
+}
+
+static inline void keep_occluded(struct stream *stream, uint32_t index)
+{
+    stream->ray[index].t = OCCLUDED;
+    stream->occluded[index] = 1;
 }
 
 // Where rays come from: arrays of a queue, and which of its elements.
@@ -96,27 +116,56 @@ static inline void load_lanes(const struct source *from, uint32_t i, struct lane
     lanes->best_prim = vi_set(RB_NONE);
 }
 
+typedef float vquad __attribute__((vector_size(16)));
+
+// Writes {a[i], b[i], c[i], d[i]} to `to` + i * stride.
+static inline void store_quads(float *to, size_t stride, vfloat a, vfloat b, vfloat c, vfloat d)
+{
+    vquad from[4][RB_LANES / 4];
+    memcpy(from[0], &a, sizeof a), memcpy(from[1], &b, sizeof b);
+    memcpy(from[2], &c, sizeof c), memcpy(from[3], &d, sizeof d);
+    for (int part = 0; part < RB_LANES / 4; part++) {
+        vquad ab_low = __builtin_shufflevector(from[0][part], from[1][part], 0, 4, 1, 5);
+        vquad cd_low = __builtin_shufflevector(from[2][part], from[3][part], 0, 4, 1, 5);
+        vquad ab_high = __builtin_shufflevector(from[0][part], from[1][part], 2, 6, 3, 7);
+        vquad cd_high = __builtin_shufflevector(from[2][part], from[3][part], 2, 6, 3, 7);
+        vquad row0 = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
+        vquad row1 = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
+        vquad row2 = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
+        vquad row3 = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
+        memcpy(to, &row0, sizeof row0), memcpy(to + stride, &row1, sizeof row1);
+        memcpy(to + 2 * stride, &row2, sizeof row2), memcpy(to + 3 * stride, &row3, sizeof row3);
+        to += 4 * stride;
+    }
+}
+
 // Writes rays from `index` on.
 static inline void store_lanes(struct stream *stream, uint32_t index, const struct lanes *lanes)
 {
     struct vvec inv = {wide_inverse(lanes->d.x), wide_inverse(lanes->d.y),
                        wide_inverse(lanes->d.z)};
     vint octant = ((inv.x < 0.0f) & 1) | ((inv.y < 0.0f) & 2) | ((inv.z < 0.0f) & 4);
-    float o[3][RB_LANES], i[3][RB_LANES], d[3][RB_LANES], t[RB_LANES];
-    uint32_t self[RB_LANES], prim[RB_LANES];
-    vf_store(o[0], lanes->o.x), vf_store(o[1], lanes->o.y), vf_store(o[2], lanes->o.z);
-    vf_store(i[0], inv.x), vf_store(i[1], inv.y), vf_store(i[2], inv.z);
-    vf_store(d[0], lanes->d.x), vf_store(d[1], lanes->d.y), vf_store(d[2], lanes->d.z);
-    vi_store(self, lanes->self), vf_store(t, lanes->best_t), vi_store(prim, lanes->best_prim);
     vi_store(stream->octant + index, vi_select(lanes->valid, octant, vi_set(OCTANTS)));
-    for (int l = 0; l < RB_LANES; l++)
-        stream->ray[index + (uint32_t)l] = (struct stream_ray){
-            .o = {o[0][l], o[1][l], o[2][l]},
-            .inv = {i[0][l], i[1][l], i[2][l]},
-            .d = {d[0][l], d[1][l], d[2][l]},
-            .self = self[l],
-            .best = {t[l], 0.0f, 0.0f, prim[l]},
-        };
+    float *ray = stream->ray[index].o, *d = stream->d[index];
+    const size_t stride = sizeof stream->ray[0] / sizeof *ray;
+    store_quads(ray, stride, lanes->o.x, lanes->o.y, lanes->o.z, inv.x);
+    store_quads(ray + 4, stride, inv.y, inv.z, lanes->best_t, (vfloat)lanes->self);
+    store_quads(d, 4, lanes->d.x, lanes->d.y, lanes->d.z, vf_set(0.0f));
+}
+
+// What has been found when the traversal begins.
+static inline void store_found(struct stream *stream, uint32_t index, const struct lanes *lanes)
+{
+    vint found = lanes->best_prim != vi_set(RB_NONE);
+    if (stream->occluded) {
+        for (int lane = 0; lane < RB_LANES; lane++)
+            stream->occluded[index + (uint32_t)lane] = found[lane] != 0;
+        return;
+    }
+    vf_store(stream->found.t + index, lanes->best_t);
+    vf_store(stream->found.u + index, vf_set(0.0f));
+    vf_store(stream->found.v + index, vf_set(0.0f));
+    vi_store(stream->found.prim + index, lanes->best_prim);
 }
 
 // The next STREAM_MAX rays, or as many as there are.
@@ -132,8 +181,9 @@ static void stream_fill(struct stream *stream, const struct source *from)
         meet_planes(stream, &lanes);
         if (from->distance) // a plane in between ends the search
             lanes.best_t =
-                vf_select(lanes.best_prim == vi_set(RB_NONE), lanes.best_t, vf_set(OCCLUDED.t));
+                vf_select(lanes.best_prim == vi_set(RB_NONE), lanes.best_t, vf_set(OCCLUDED));
         store_lanes(stream, i, &lanes);
+        store_found(stream, i, &lanes);
     }
 }
 
