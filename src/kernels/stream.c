@@ -90,42 +90,52 @@ RB_INLINE void take(struct stream *stream, const struct wide_hits *hits, uint32_
     }
 }
 
-// The rays of a visit against part of a block, which stays in registers.
-RB_INLINE void visit_part(struct stream *stream, const struct visit *visit, int lane,
-                          enum rb_wide_kind kind)
+RB_INLINE struct wide_ray wide_ray_of(const struct stream *stream, uint32_t index)
 {
-    const struct rb_wide *wide = stream->world->wide;
-    uint32_t block = rb_wide_index_of(visit->child);
-    struct wide_spheres spheres;
-    struct wide_triangles triangles;
-    if (kind == RB_WIDE_SPHERES)
-        spheres = wide_spheres_load(&wide->spheres[block], lane);
-    else
-        triangles = wide_triangles_load(&wide->triangles[block], lane);
-    for (uint32_t i = 0; i < visit->count; i++) {
-        uint32_t index = stream->pool[visit->list + i];
-        const struct stream_ray *from = &stream->ray[index];
-        struct rb_ray one = {.self = from->self, .sides = stream->sides};
-        struct wide_ray ray = {.o = vv_set(from->o),
-                               .inv = vv_set(from->inv),
-                               .d = vv_set(stream->d[index]),
-                               .one = &one};
-        struct wide_hits hits = kind == RB_WIDE_SPHERES ? wide_spheres_hit(&spheres, &ray)
-                                                        : wide_triangles_hit(&triangles, &ray);
-        take(stream, &hits, index);
-    }
+    const struct stream_ray *ray = &stream->ray[index];
+    return (struct wide_ray){.o = vv_set(ray->o),
+                             .inv = vv_set(ray->inv),
+                             .d = vv_set(stream->d[index]),
+                             .self = vi_set(ray->self),
+                             .sides = stream->sides};
 }
 
+// The rays of a visit against part of a block, which stays in registers. Those that may hit a
+// sphere are put aside first, so that nothing is mispredicted.
 static void visit_spheres(struct stream *stream, const struct visit *visit)
 {
-    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
-        visit_part(stream, visit, lane, RB_WIDE_SPHERES);
+    const struct rb_wide_spheres *block =
+        &stream->world->wide->spheres[rb_wide_index_of(visit->child)];
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES) {
+        struct wide_spheres spheres = wide_spheres_load(block, lane);
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < visit->count; i++) {
+            uint32_t index = stream->pool[visit->list + i];
+            struct wide_ray ray = wide_ray_of(stream, index);
+            stream->some[count] = index;
+            count += vi_bits(wide_spheres_ahead(&spheres, &ray)) != 0;
+        }
+        for (uint32_t i = 0; i < count; i++) {
+            struct wide_ray ray = wide_ray_of(stream, stream->some[i]);
+            struct wide_hits hits = wide_spheres_hit(&spheres, &ray);
+            take(stream, &hits, stream->some[i]);
+        }
+    }
 }
 
 static void visit_triangles(struct stream *stream, const struct visit *visit)
 {
-    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
-        visit_part(stream, visit, lane, RB_WIDE_TRIANGLES);
+    const struct rb_wide_triangles *block =
+        &stream->world->wide->triangles[rb_wide_index_of(visit->child)];
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES) {
+        struct wide_triangles triangles = wide_triangles_load(block, lane);
+        for (uint32_t i = 0; i < visit->count; i++) {
+            uint32_t index = stream->pool[visit->list + i];
+            struct wide_ray ray = wide_ray_of(stream, index);
+            struct wide_hits hits = wide_triangles_hit(&triangles, &ray);
+            take(stream, &hits, index);
+        }
+    }
 }
 
 static void visit_leaf(struct stream *stream, const struct visit *visit)

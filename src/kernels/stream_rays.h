@@ -36,6 +36,7 @@ struct stream {
     struct stream_ray ray[STREAM_MAX];
     float d[STREAM_MAX][4];
     uint32_t pool[POOL];         // lists: indices of rays
+    uint32_t some[STREAM_MAX];   // of a list
     uint8_t bits[STREAM_MAX];    // children that the rays of a list reach
     uint32_t octant[STREAM_MAX]; // OCTANTS for rays that are not valid
     struct visit stack[RB_WIDE_STACK];
@@ -77,7 +78,7 @@ struct source {
 
 // RB_LANES rays, and what they have to beat.
 struct lanes {
-    struct vvec o, d;
+    struct vvec o, d, inv;
     vint self, valid;
     vfloat best_t;
     vint best_prim;
@@ -106,10 +107,45 @@ static inline void meet_planes(const struct stream *stream, struct lanes *lanes)
     }
 }
 
+// The sphere that rays start on, for those that go into it: it ends their search, and leaves need
+// not look for it.
+static inline void meet_own(const struct stream *stream, struct lanes *lanes)
+{
+    const struct rb_scene *scene = stream->world->scene;
+    if (scene->count[RB_SPHERE] == 0)
+        return;
+    vint starts = lanes->valid & ((vuint)lanes->self < scene->count[RB_SPHERE]);
+    float sphere[4][RB_LANES];
+    uint32_t self[RB_LANES];
+    vi_store(self, lanes->self & starts);
+    for (int lane = 0; lane < RB_LANES; lane++) {
+        const struct rb_sphere *own = &scene->spheres[self[lane]];
+        for (int k = 0; k < 3; k++)
+            sphere[k][lane] = own->center[k];
+        sphere[3][lane] = own->radius;
+    }
+    struct wide_spheres own = {{vf_load(sphere[0]), vf_load(sphere[1]), vf_load(sphere[2])},
+                               vf_load(sphere[3]),
+                               lanes->self};
+    if (!vi_any(starts & (vv_dot(vv_sub(own.center, lanes->o), lanes->d) > 0.0f)))
+        return;
+    struct wide_ray ray = {.o = lanes->o,
+                           .d = lanes->d,
+                           .inv = lanes->inv,
+                           .self = lanes->self,
+                           .sides = stream->sides};
+    struct wide_hits hits = wide_spheres_hit(&own, &ray);
+    vint closer = starts & hits.found & (hits.t <= lanes->best_t);
+    lanes->best_t = vf_select(closer, hits.t, lanes->best_t);
+    lanes->best_prim = vi_select(closer, lanes->self, lanes->best_prim);
+}
+
 static inline void load_lanes(const struct source *from, uint32_t i, struct lanes *lanes)
 {
     lanes->o = (struct vvec){vf_load(from->ox + i), vf_load(from->oy + i), vf_load(from->oz + i)};
     lanes->d = (struct vvec){vf_load(from->dx + i), vf_load(from->dy + i), vf_load(from->dz + i)};
+    lanes->inv = (struct vvec){wide_inverse(lanes->d.x), wide_inverse(lanes->d.y),
+                               wide_inverse(lanes->d.z)};
     lanes->self = vi_load(from->self + i);
     lanes->valid = vi_first(from->end - i) & vv_finite(lanes->o) & vv_finite(lanes->d);
     lanes->best_t = from->distance ? vf_load(from->distance + i) : vf_set(INFINITY);
@@ -118,17 +154,25 @@ static inline void load_lanes(const struct source *from, uint32_t i, struct lane
 
 typedef float vquad __attribute__((vector_size(16)));
 
+static inline vquad quad_load(const float *from)
+{
+    vquad quad;
+    memcpy(&quad, from, sizeof quad);
+    return quad;
+}
+
 // Writes {a[i], b[i], c[i], d[i]} to `to` + i * stride.
 static inline void store_quads(float *to, size_t stride, vfloat a, vfloat b, vfloat c, vfloat d)
 {
-    vquad from[4][RB_LANES / 4];
-    memcpy(from[0], &a, sizeof a), memcpy(from[1], &b, sizeof b);
-    memcpy(from[2], &c, sizeof c), memcpy(from[3], &d, sizeof d);
-    for (int part = 0; part < RB_LANES / 4; part++) {
-        vquad ab_low = __builtin_shufflevector(from[0][part], from[1][part], 0, 4, 1, 5);
-        vquad cd_low = __builtin_shufflevector(from[2][part], from[3][part], 0, 4, 1, 5);
-        vquad ab_high = __builtin_shufflevector(from[0][part], from[1][part], 2, 6, 3, 7);
-        vquad cd_high = __builtin_shufflevector(from[2][part], from[3][part], 2, 6, 3, 7);
+    float from[4][RB_LANES];
+    vf_store(from[0], a), vf_store(from[1], b), vf_store(from[2], c), vf_store(from[3], d);
+    for (int lane = 0; lane < RB_LANES; lane += 4) {
+        vquad qa = quad_load(from[0] + lane), qb = quad_load(from[1] + lane);
+        vquad qc = quad_load(from[2] + lane), qd = quad_load(from[3] + lane);
+        vquad ab_low = __builtin_shufflevector(qa, qb, 0, 4, 1, 5);
+        vquad cd_low = __builtin_shufflevector(qc, qd, 0, 4, 1, 5);
+        vquad ab_high = __builtin_shufflevector(qa, qb, 2, 6, 3, 7);
+        vquad cd_high = __builtin_shufflevector(qc, qd, 2, 6, 3, 7);
         vquad row0 = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
         vquad row1 = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
         vquad row2 = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
@@ -142,8 +186,7 @@ static inline void store_quads(float *to, size_t stride, vfloat a, vfloat b, vfl
 // Writes rays from `index` on.
 static inline void store_lanes(struct stream *stream, uint32_t index, const struct lanes *lanes)
 {
-    struct vvec inv = {wide_inverse(lanes->d.x), wide_inverse(lanes->d.y),
-                       wide_inverse(lanes->d.z)};
+    struct vvec inv = lanes->inv;
     vint octant = ((inv.x < 0.0f) & 1) | ((inv.y < 0.0f) & 2) | ((inv.z < 0.0f) & 4);
     vi_store(stream->octant + index, vi_select(lanes->valid, octant, vi_set(OCTANTS)));
     float *ray = stream->ray[index].o, *d = stream->d[index];
@@ -182,6 +225,8 @@ static void stream_fill(struct stream *stream, const struct source *from)
         if (from->distance) // a plane in between ends the search
             lanes.best_t =
                 vf_select(lanes.best_prim == vi_set(RB_NONE), lanes.best_t, vf_set(OCCLUDED));
+        if (stream->sides == RB_SIDES_VISIBLE)
+            meet_own(stream, &lanes);
         store_lanes(stream, i, &lanes);
         store_found(stream, i, &lanes);
     }
