@@ -3,12 +3,14 @@
 #ifndef RB_KERNELS_STREAM_RAYS_H
 #define RB_KERNELS_STREAM_RAYS_H
 
+#include "kernels/quads.h"
 #include "kernels/wide_ray.h"
 
 enum {
     STREAM_MAX = 4096,      // rays at a time
     POOL = 16 * STREAM_MAX, // entries of lists; where they run out rays go on alone
     OCTANTS = 8,
+    RAY_FLOATS = 8, // of a stream_ray
 };
 
 // What boxes are tested with, half a cache line; and what only primitives are. `t` is where a ray
@@ -33,7 +35,7 @@ struct stream {
     uint8_t *occluded;     // or of shadows
     uint32_t begin, count; // rays of the queue
     int backward[3];       // of the octant in work
-    struct stream_ray ray[STREAM_MAX];
+    _Alignas(64) struct stream_ray ray[STREAM_MAX];
     float d[STREAM_MAX][4];
     uint32_t pool[POOL];         // lists: indices of rays
     uint32_t some[STREAM_MAX];   // of a list
@@ -107,6 +109,14 @@ static inline void meet_planes(const struct stream *stream, struct lanes *lanes)
     }
 }
 
+// A sphere in every lane.
+static inline struct wide_spheres spheres_of(const struct rb_scene *scene,
+                                             const uint32_t index[RB_LANES])
+{
+    struct vquads of = vq_load(scene->spheres[0].center, 4, index);
+    return (struct wide_spheres){{of.a, of.b, of.c}, of.d, vi_load(index)};
+}
+
 // The sphere that rays start on, for those that go into it: it ends their search, and leaves need
 // not look for it.
 static inline void meet_own(const struct stream *stream, struct lanes *lanes)
@@ -115,25 +125,13 @@ static inline void meet_own(const struct stream *stream, struct lanes *lanes)
     if (scene->count[RB_SPHERE] == 0)
         return;
     vint starts = lanes->valid & ((vuint)lanes->self < scene->count[RB_SPHERE]);
-    float sphere[4][RB_LANES];
     uint32_t self[RB_LANES];
     vi_store(self, lanes->self & starts);
-    for (int lane = 0; lane < RB_LANES; lane++) {
-        const struct rb_sphere *own = &scene->spheres[self[lane]];
-        for (int k = 0; k < 3; k++)
-            sphere[k][lane] = own->center[k];
-        sphere[3][lane] = own->radius;
-    }
-    struct wide_spheres own = {{vf_load(sphere[0]), vf_load(sphere[1]), vf_load(sphere[2])},
-                               vf_load(sphere[3]),
-                               lanes->self};
+    struct wide_spheres own = spheres_of(scene, self);
     if (!vi_any(starts & (vv_dot(vv_sub(own.center, lanes->o), lanes->d) > 0.0f)))
         return;
-    struct wide_ray ray = {.o = lanes->o,
-                           .d = lanes->d,
-                           .inv = lanes->inv,
-                           .self = lanes->self,
-                           .sides = stream->sides};
+    struct wide_ray ray = {
+        .o = lanes->o, .d = lanes->d, .inv = lanes->inv, .self = own.prim, .sides = stream->sides};
     struct wide_hits hits = wide_spheres_hit(&own, &ray);
     vint closer = starts & hits.found & (hits.t <= lanes->best_t);
     lanes->best_t = vf_select(closer, hits.t, lanes->best_t);
@@ -144,43 +142,12 @@ static inline void load_lanes(const struct source *from, uint32_t i, struct lane
 {
     lanes->o = (struct vvec){vf_load(from->ox + i), vf_load(from->oy + i), vf_load(from->oz + i)};
     lanes->d = (struct vvec){vf_load(from->dx + i), vf_load(from->dy + i), vf_load(from->dz + i)};
-    lanes->inv = (struct vvec){wide_inverse(lanes->d.x), wide_inverse(lanes->d.y),
-                               wide_inverse(lanes->d.z)};
+    lanes->inv =
+        (struct vvec){wide_inverse(lanes->d.x), wide_inverse(lanes->d.y), wide_inverse(lanes->d.z)};
     lanes->self = vi_load(from->self + i);
     lanes->valid = vi_first(from->end - i) & vv_finite(lanes->o) & vv_finite(lanes->d);
     lanes->best_t = from->distance ? vf_load(from->distance + i) : vf_set(INFINITY);
     lanes->best_prim = vi_set(RB_NONE);
-}
-
-typedef float vquad __attribute__((vector_size(16)));
-
-static inline vquad quad_load(const float *from)
-{
-    vquad quad;
-    memcpy(&quad, from, sizeof quad);
-    return quad;
-}
-
-// Writes {a[i], b[i], c[i], d[i]} to `to` + i * stride.
-static inline void store_quads(float *to, size_t stride, vfloat a, vfloat b, vfloat c, vfloat d)
-{
-    float from[4][RB_LANES];
-    vf_store(from[0], a), vf_store(from[1], b), vf_store(from[2], c), vf_store(from[3], d);
-    for (int lane = 0; lane < RB_LANES; lane += 4) {
-        vquad qa = quad_load(from[0] + lane), qb = quad_load(from[1] + lane);
-        vquad qc = quad_load(from[2] + lane), qd = quad_load(from[3] + lane);
-        vquad ab_low = __builtin_shufflevector(qa, qb, 0, 4, 1, 5);
-        vquad cd_low = __builtin_shufflevector(qc, qd, 0, 4, 1, 5);
-        vquad ab_high = __builtin_shufflevector(qa, qb, 2, 6, 3, 7);
-        vquad cd_high = __builtin_shufflevector(qc, qd, 2, 6, 3, 7);
-        vquad row0 = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
-        vquad row1 = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
-        vquad row2 = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
-        vquad row3 = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
-        memcpy(to, &row0, sizeof row0), memcpy(to + stride, &row1, sizeof row1);
-        memcpy(to + 2 * stride, &row2, sizeof row2), memcpy(to + 3 * stride, &row3, sizeof row3);
-        to += 4 * stride;
-    }
 }
 
 // Writes rays from `index` on.
@@ -190,10 +157,10 @@ static inline void store_lanes(struct stream *stream, uint32_t index, const stru
     vint octant = ((inv.x < 0.0f) & 1) | ((inv.y < 0.0f) & 2) | ((inv.z < 0.0f) & 4);
     vi_store(stream->octant + index, vi_select(lanes->valid, octant, vi_set(OCTANTS)));
     float *ray = stream->ray[index].o, *d = stream->d[index];
-    const size_t stride = sizeof stream->ray[0] / sizeof *ray;
-    store_quads(ray, stride, lanes->o.x, lanes->o.y, lanes->o.z, inv.x);
-    store_quads(ray + 4, stride, inv.y, inv.z, lanes->best_t, (vfloat)lanes->self);
-    store_quads(d, 4, lanes->d.x, lanes->d.y, lanes->d.z, vf_set(0.0f));
+    vq_store(ray, RAY_FLOATS, (struct vquads){lanes->o.x, lanes->o.y, lanes->o.z, inv.x});
+    vq_store(ray + 4, RAY_FLOATS,
+             (struct vquads){inv.y, inv.z, lanes->best_t, (vfloat)lanes->self});
+    vq_store(d, 4, (struct vquads){lanes->d.x, lanes->d.y, lanes->d.z, vf_set(0.0f)});
 }
 
 // What has been found when the traversal begins.
