@@ -79,7 +79,21 @@ static void visit_others(struct stream *stream, const struct visit *visit)
     }
 }
 
-RB_INLINE void take(struct stream *stream, const struct wide_hits *hits, uint32_t index)
+// A hit that is no farther than what was best.
+static inline void take(struct stream *stream, uint32_t index, const struct rb_hit *hit)
+{
+    struct rb_hit best = {stream->ray[index].t, .prim = 0};
+    if (stream->occluded) {
+        if (hit->t < best.t)
+            keep_occluded(stream, index);
+        return;
+    }
+    best.prim = stream->found.prim[index];
+    if (rb_hit_closer(hit, &best))
+        keep(stream, index, hit);
+}
+
+RB_INLINE void take_lanes(struct stream *stream, uint32_t index, const struct wide_hits *hits)
 {
     if (stream->occluded) {
         if (vi_any(hits->found & (hits->t < stream->ray[index].t)))
@@ -100,27 +114,63 @@ RB_INLINE struct wide_ray wide_ray_of(const struct stream *stream, uint32_t inde
                              .sides = stream->sides};
 }
 
+// Pairs of a ray and a sphere that it may hit, a pair in every lane.
+struct pairs {
+    uint32_t count, ray[RB_LANES], prim[RB_LANES];
+};
+
+static void meet_pairs(struct stream *stream, struct pairs *pairs)
+{
+    struct wide_spheres spheres = spheres_of(stream->world->scene, pairs->prim);
+    const float *rays = stream->ray[0].o;
+    struct vquads first = vq_load(rays, RAY_FLOATS, pairs->ray);
+    struct vquads second = vq_load(rays + 4, RAY_FLOATS, pairs->ray);
+    struct vquads d = vq_load(stream->d[0], 4, pairs->ray);
+    struct wide_ray ray = {.o = {first.a, first.b, first.c},
+                           .d = {d.a, d.b, d.c},
+                           .inv = {first.d, second.a, second.b},
+                           .self = (vint)second.d,
+                           .sides = stream->sides};
+    struct wide_hits hits = wide_spheres_hit(&spheres, &ray);
+    float t[RB_LANES];
+    vf_store(t, hits.t);
+    unsigned bits = vi_bits(hits.found & (hits.t <= second.c) & vi_first(pairs->count));
+    for (; bits; bits &= bits - 1) {
+        int lane = __builtin_ctz(bits);
+        struct rb_hit hit = {t[lane], 0.0f, 0.0f, pairs->prim[lane]};
+        take(stream, pairs->ray[lane], &hit);
+    }
+    pairs->count = 0;
+}
+
 // The rays of a visit against part of a block, which stays in registers. Those that may hit a
 // sphere are put aside first, so that nothing is mispredicted.
 static void visit_spheres(struct stream *stream, const struct visit *visit)
 {
     const struct rb_wide_spheres *block =
         &stream->world->wide->spheres[rb_wide_index_of(visit->child)];
+    struct pairs pairs = {0};
     for (int lane = 0; lane < RB_WIDE; lane += RB_LANES) {
         struct wide_spheres spheres = wide_spheres_load(block, lane);
         uint32_t count = 0;
         for (uint32_t i = 0; i < visit->count; i++) {
             uint32_t index = stream->pool[visit->list + i];
             struct wide_ray ray = wide_ray_of(stream, index);
+            unsigned bits = vi_bits(wide_spheres_ahead(&spheres, &ray));
             stream->some[count] = index;
-            count += vi_bits(wide_spheres_ahead(&spheres, &ray)) != 0;
+            stream->bits[count] = (uint8_t)bits;
+            count += bits != 0;
         }
-        for (uint32_t i = 0; i < count; i++) {
-            struct wide_ray ray = wide_ray_of(stream, stream->some[i]);
-            struct wide_hits hits = wide_spheres_hit(&spheres, &ray);
-            take(stream, &hits, stream->some[i]);
-        }
+        for (uint32_t i = 0; i < count; i++)
+            for (unsigned bits = stream->bits[i]; bits; bits &= bits - 1) {
+                pairs.ray[pairs.count] = stream->some[i];
+                pairs.prim[pairs.count++] = block->id[lane + __builtin_ctz(bits)];
+                if (pairs.count == RB_LANES)
+                    meet_pairs(stream, &pairs);
+            }
     }
+    if (pairs.count)
+        meet_pairs(stream, &pairs);
 }
 
 static void visit_triangles(struct stream *stream, const struct visit *visit)
@@ -133,7 +183,7 @@ static void visit_triangles(struct stream *stream, const struct visit *visit)
             uint32_t index = stream->pool[visit->list + i];
             struct wide_ray ray = wide_ray_of(stream, index);
             struct wide_hits hits = wide_triangles_hit(&triangles, &ray);
-            take(stream, &hits, index);
+            take_lanes(stream, index, &hits);
         }
     }
 }
