@@ -114,13 +114,9 @@ RB_INLINE struct wide_ray wide_ray_of(const struct stream *stream, uint32_t inde
                              .sides = stream->sides};
 }
 
-// Pairs of a ray and a sphere that it may hit, a pair in every lane.
-struct pairs {
-    uint32_t count, ray[RB_LANES], prim[RB_LANES];
-};
-
-static void meet_pairs(struct stream *stream, struct pairs *pairs)
+static void meet_pairs(struct stream *stream)
 {
+    struct pairs *pairs = &stream->pairs;
     struct wide_spheres spheres = spheres_of(stream->world->scene, pairs->prim);
     const float *rays = stream->ray[0].o;
     struct vquads first = vq_load(rays, RAY_FLOATS, pairs->ray);
@@ -149,7 +145,7 @@ static void visit_spheres(struct stream *stream, const struct visit *visit)
 {
     const struct rb_wide_spheres *block =
         &stream->world->wide->spheres[rb_wide_index_of(visit->child)];
-    struct pairs pairs = {0};
+    struct pairs *pairs = &stream->pairs;
     for (int lane = 0; lane < RB_WIDE; lane += RB_LANES) {
         struct wide_spheres spheres = wide_spheres_load(block, lane);
         uint32_t count = 0;
@@ -163,14 +159,12 @@ static void visit_spheres(struct stream *stream, const struct visit *visit)
         }
         for (uint32_t i = 0; i < count; i++)
             for (unsigned bits = stream->bits[i]; bits; bits &= bits - 1) {
-                pairs.ray[pairs.count] = stream->some[i];
-                pairs.prim[pairs.count++] = block->id[lane + __builtin_ctz(bits)];
-                if (pairs.count == RB_LANES)
-                    meet_pairs(stream, &pairs);
+                pairs->ray[pairs->count] = stream->some[i];
+                pairs->prim[pairs->count++] = block->id[lane + __builtin_ctz(bits)];
+                if (pairs->count == RB_LANES)
+                    meet_pairs(stream);
             }
     }
-    if (pairs.count)
-        meet_pairs(stream, &pairs);
 }
 
 static void visit_triangles(struct stream *stream, const struct visit *visit)
@@ -337,6 +331,8 @@ static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint3
         else
             depth = visit_node(stream, &visit, top, depth);
     }
+    if (stream->pairs.count)
+        meet_pairs(stream);
 }
 
 static void run(struct stream *stream)
@@ -366,6 +362,7 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
     struct source source = {rays->ox, rays->oy, rays->oz,   rays->dx, rays->dy,
                             rays->dz, NULL,     rays->self, 0,        rays->count};
     struct stream stream;
+    stream.pairs = (struct pairs){0};
     stream.world = world;
     stream.sides = world->one_sided ? RB_SIDES_FRONT : RB_SIDES_VISIBLE;
     stream.occluded = NULL;
@@ -387,6 +384,7 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
                             shadows->dy, shadows->dz,   shadows->distance, shadows->self,
                             0,           shadows->count};
     struct stream stream;
+    stream.pairs = (struct pairs){0};
     stream.world = world;
     stream.sides = RB_SIDES_BOTH;
     for (; source.begin < source.end; source.begin += STREAM_MAX) {

@@ -28,6 +28,11 @@ struct visit {
     uint32_t list, count; // in the pool
 };
 
+// Pairs of a ray and a sphere that it may hit, a pair in every lane.
+struct pairs {
+    uint32_t count, ray[RB_LANES], prim[RB_LANES];
+};
+
 struct stream {
     const struct rb_world *world;
     enum rb_sides sides;
@@ -35,6 +40,7 @@ struct stream {
     uint8_t *occluded;     // or of shadows
     uint32_t begin, count; // rays of the queue
     int backward[3];       // of the octant in work
+    struct pairs pairs;
     _Alignas(64) struct stream_ray ray[STREAM_MAX];
     float d[STREAM_MAX][4];
     uint32_t pool[POOL];         // lists: indices of rays
