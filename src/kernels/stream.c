@@ -173,11 +173,17 @@ static void visit_triangles(struct stream *stream, const struct visit *visit)
         &stream->world->wide->triangles[rb_wide_index_of(visit->child)];
     for (int lane = 0; lane < RB_WIDE; lane += RB_LANES) {
         struct wide_triangles triangles = wide_triangles_load(block, lane);
+        uint32_t count = 0;
         for (uint32_t i = 0; i < visit->count; i++) {
             uint32_t index = stream->pool[visit->list + i];
             struct wide_ray ray = wide_ray_of(stream, index);
+            stream->some[count] = index;
+            count += vi_bits(wide_triangles_edges(&triangles, &ray).found) != 0;
+        }
+        for (uint32_t i = 0; i < count; i++) {
+            struct wide_ray ray = wide_ray_of(stream, stream->some[i]);
             struct wide_hits hits = wide_triangles_hit(&triangles, &ray);
-            take_lanes(stream, index, &hits);
+            take_lanes(stream, stream->some[i], &hits);
         }
     }
 }

@@ -209,26 +209,39 @@ RB_INLINE struct wide_triangles wide_triangles_load(const struct rb_wide_triangl
     return of;
 }
 
-// rb_triangle_hit
-RB_INLINE struct wide_hits wide_triangles_hit(const struct wide_triangles *of,
-                                              const struct wide_ray *ray)
+// How the ray passes the edges of triangles: what rb_triangle_test calls so.
+struct wide_edges {
+    vfloat us, vs, area, t; // t times area
+    vint found;
+};
+
+RB_INLINE struct wide_edges wide_triangles_edges(const struct wide_triangles *of,
+                                                 const struct wide_ray *ray)
 {
     struct vvec s = vv_sub(ray->o, of->v0), p = vv_cross(ray->d, of->e2), q = vv_cross(s, of->e1);
     vfloat det = vv_dot(of->e1, p), area = vf_abs(det);
     vint flip = (vint)det & vi_set(0x80000000u); // a product with the sign of det
     vfloat us = (vfloat)((vint)vv_dot(s, p) ^ flip);
     vfloat vs = (vfloat)((vint)vv_dot(ray->d, q) ^ flip);
+    vfloat t = (vfloat)((vint)vv_dot(of->e2, q) ^ flip);
     vfloat slack = RB_EDGE_TOLERANCE * vv_reach(s) * of->reach;
-    struct wide_hits hits;
-    hits.found = (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) & (area >= FLT_MIN);
+    vint found = (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) & (area >= FLT_MIN) &
+                 (of->prim != ray->self);
+    return (struct wide_edges){us, vs, area, t, found};
+}
+
+// rb_triangle_hit
+RB_INLINE struct wide_hits wide_triangles_hit(const struct wide_triangles *of,
+                                              const struct wide_ray *ray)
+{
+    struct wide_edges edges = wide_triangles_edges(of, ray);
+    struct wide_hits hits = {.found = edges.found, .prim = of->prim};
     if (!vi_any(hits.found))
         return hits;
-    vfloat inverse = 1.0f / area, zero = vf_set(0.0f), one = vf_set(1.0f);
-    hits.t = (vfloat)((vint)vv_dot(of->e2, q) ^ flip) * inverse;
-    hits.u = vf_min(vf_max(us * inverse, zero), one);
-    hits.v = vf_min(vf_max(vs * inverse, zero), one - hits.u);
-    hits.prim = of->prim;
-    hits.found &= hits.prim != ray->self;
+    vfloat inverse = 1.0f / edges.area, zero = vf_set(0.0f), one = vf_set(1.0f);
+    hits.t = edges.t * inverse;
+    hits.u = vf_min(vf_max(edges.us * inverse, zero), one);
+    hits.v = vf_min(vf_max(edges.vs * inverse, zero), one - hits.u);
     struct vvec near, far;
     wide_ends(of->v0.x, of->v1.x, of->v2.x, ray->inv.x, &near.x, &far.x);
     wide_ends(of->v0.y, of->v1.y, of->v2.y, ray->inv.y, &near.y, &far.y);
