@@ -341,19 +341,41 @@ static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint3
         meet_pairs(stream);
 }
 
-static void run(struct stream *stream)
+// Lists the rays octant by octant, from the start of the pool; first[i] is where octant i begins.
+// Coherent rays are dealt with by whole vectors.
+static void sort_octants(struct stream *stream, uint32_t first[OCTANTS + 2])
 {
-    uint32_t first[OCTANTS + 2] = {0}; // of each octant, in the pool
-    if (stream->world->wide->count[RB_WIDE_NODE] == 0)
-        return;
-    for (uint32_t i = 0; i < stream->count; i++)
-        first[stream->octant[i] + 1]++;
+    uint32_t next[OCTANTS + 1];
+    memset(first, 0, (OCTANTS + 2) * sizeof *first);
+    for (uint32_t i = 0; i < stream->count; i += RB_LANES) {
+        const uint32_t *octant = stream->octant + i;
+        if (!vi_any(vi_load(octant) != vi_set(*octant)))
+            first[*octant + 1] += RB_LANES;
+        else
+            for (uint32_t lane = 0; lane < RB_LANES; lane++)
+                first[octant[lane] + 1]++;
+    }
     for (int octant = 0; octant < OCTANTS; octant++)
         first[octant + 1] += first[octant];
-    uint32_t next[OCTANTS + 1];
     memcpy(next, first, sizeof next);
-    for (uint32_t i = 0; i < stream->count; i++)
-        stream->pool[next[stream->octant[i]]++] = i;
+    for (uint32_t i = 0; i < stream->count; i += RB_LANES) {
+        const uint32_t *octant = stream->octant + i;
+        if (!vi_any(vi_load(octant) != vi_set(*octant))) {
+            vi_store(stream->pool + next[*octant], vi_set(i) + vi_lanes());
+            next[*octant] += RB_LANES;
+        } else {
+            for (uint32_t lane = 0; lane < RB_LANES; lane++)
+                stream->pool[next[octant[lane]]++] = i + lane;
+        }
+    }
+}
+
+static void run(struct stream *stream)
+{
+    uint32_t first[OCTANTS + 2];
+    if (stream->world->wide->count[RB_WIDE_NODE] == 0)
+        return;
+    sort_octants(stream, first);
     for (int octant = 0; octant < OCTANTS; octant++) {
         uint32_t count = first[octant + 1] - first[octant];
         for (int k = 0; k < 3; k++)
