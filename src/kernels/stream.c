@@ -11,8 +11,8 @@
 // A ray that goes into the sphere it starts on has that hit before it begins, and is culled by it.
 //
 // Against single rays (wide.c), ns a ray on one Zen 4 thread: diffuse rays of balls_high 90 -> 28,
-// balls6 190 -> 90, mount9 252 -> 94. What the last steps brought on balls_high, in ns for diffuse,
-// reflected, refracted, shadow rays:
+// balls6 190 -> 103, mount9 252 -> 94. What the last steps brought on balls_high, in ns for
+// diffuse, reflected, refracted, shadow rays:
 //   one step per leaf, rays of 64 bytes                  42.8  38.7  26.0  27.5
 //   rays of 32 bytes, hits written where they belong     41.5  37.7  25.1  27.8
 //   two steps, own sphere first                          33.4  31.6  17.7  22.1
