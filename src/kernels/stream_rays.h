@@ -1,5 +1,6 @@
-// The rays of a stream: a piece of a queue, loaded with what every visit of a node needs of them
-// and with the planes, which have no boxes, met already.
+// The rays of a stream: a piece of a queue, loaded with what every visit of a node needs of them,
+// and with what the tree is not needed for met already: planes, which have no boxes, and the sphere
+// that a ray starts on.
 #ifndef RB_KERNELS_STREAM_RAYS_H
 #define RB_KERNELS_STREAM_RAYS_H
 
@@ -10,15 +11,15 @@ enum {
     STREAM_MAX = 4096,      // rays at a time
     POOL = 16 * STREAM_MAX, // entries of lists; where they run out rays go on alone
     OCTANTS = 8,
-    RAY_FLOATS = 8, // of a stream_ray
 };
 
-// What boxes are tested with, half a cache line; and what only primitives are. `t` is where a ray
-// ends: at what it has found, or before everything if it is occluded.
+// What boxes need of a ray, half a cache line. It ends at t: at what it has found, or before
+// everything if it is occluded.
 struct stream_ray {
     float o[3], inv[3], t;
     uint32_t self;
 };
+enum { RAY_FLOATS = sizeof(struct stream_ray) / sizeof(float) };
 
 #define OCCLUDED (-1.0f)
 
@@ -36,13 +37,13 @@ struct pairs {
 struct stream {
     const struct rb_world *world;
     enum rb_sides sides;
-    struct rb_hits found;  // of these rays, which are found[0] on; of closest hits
-    uint8_t *occluded;     // or of shadows
+    struct rb_hits found;  // results of these rays, the first of them at 0: closest hits, or
+    uint8_t *occluded;     // those of shadow rays, else NULL
     uint32_t begin, count; // rays of the queue
     int backward[3];       // of the octant in work
-    struct pairs pairs;
+    struct pairs pairs;    // to be met when they are a vector, or the octant is done
     _Alignas(64) struct stream_ray ray[STREAM_MAX];
-    float d[STREAM_MAX][4];
+    float d[STREAM_MAX][4];      // directions, which only primitives need
     uint32_t pool[POOL];         // lists: indices of rays
     uint32_t some[STREAM_MAX];   // of a list
     uint8_t bits[STREAM_MAX];    // children that the rays of a list reach
@@ -134,8 +135,13 @@ static inline void meet_own(const struct stream *stream, struct lanes *lanes)
     uint32_t self[RB_LANES];
     vi_store(self, lanes->self & starts);
     struct wide_spheres own = spheres_of(scene, self);
-    if (!vi_any(starts & (vv_dot(vv_sub(own.center, lanes->o), lanes->d) > 0.0f)))
+    starts &= vv_dot(vv_sub(own.center, lanes->o), lanes->d) > 0.0f;
+    if (!vi_any(starts))
         return;
+    RB_COUNT_STEP(vi_bits(starts), RB_LANES);
+    RB_COUNT_RAYS(BOXES, vi_bits(starts), 1);
+    RB_COUNT_RAYS(SPHERES, vi_bits(starts), 1);
+    RB_COUNT_BYTES(PRIMITIVE_BYTES, sizeof *scene->spheres);
     struct wide_ray ray = {
         .o = lanes->o, .d = lanes->d, .inv = lanes->inv, .self = own.prim, .sides = stream->sides};
     struct wide_hits hits = wide_spheres_hit(&own, &ray);

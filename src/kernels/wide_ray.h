@@ -129,16 +129,16 @@ RB_INLINE struct wide_spheres wide_spheres_load(const struct rb_wide_spheres *bl
     };
 }
 
-// Spheres that the ray may hit from its origin on, its own one excepted: none that it does hit is
-// left out, since b + |radius| is no less than where it leaves them, rounding being monotone.
+// Spheres that the ray may hit, its own one excepted. It leaves none of those it hits behind b +
+// reach, since rounding is monotone, and so is the root.
 RB_INLINE vint wide_spheres_ahead(const struct wide_spheres *spheres, const struct wide_ray *ray)
 {
-    vfloat radius = spheres->radius;
+    vfloat square = spheres->radius * spheres->radius, reach = vf_sqrt(square);
     struct vvec l = vv_sub(spheres->center, ray->o);
     vfloat b = vv_dot(l, ray->d);
     struct vvec apart = vv_mad(l, -b, ray->d);
-    vfloat discriminant = radius * radius - vv_dot(apart, apart);
-    return (discriminant >= 0.0f) & (b + vf_abs(radius) > 0.0f) & (spheres->prim != ray->self);
+    vfloat discriminant = square - vv_dot(apart, apart);
+    return (discriminant >= 0.0f) & (b + reach > 0.0f) & (spheres->prim != ray->self);
 }
 
 // rb_sphere_hit
