@@ -245,14 +245,6 @@ static inline void sort_in(struct bundle *bundle, struct rest *rest, const struc
         bundle_add(bundle, packet, signs, limit, place);
 }
 
-// Queues come from memory: the arrays of the next bundle are asked for while this one is traced.
-RB_INLINE void prefetch_next(const void *const *arrays, size_t count, uint32_t i)
-{
-#pragma GCC unroll 8
-    for (size_t k = 0; k < count; k++)
-        __builtin_prefetch((const float *)arrays[k] + i + BUNDLE);
-}
-
 static void load_rays(const struct rb_rays *rays, uint32_t first, struct bundle *bundle,
                       struct rest *rest)
 {
@@ -266,9 +258,6 @@ static void load_rays(const struct rb_rays *rays, uint32_t first, struct bundle 
             .self = vi_load(rays->self + i),
         };
         vint wanted = vi_first(rays->count - i) & vv_finite(packet.o) & vv_finite(packet.d);
-        const void *next[] = {rays->ox, rays->oy, rays->oz,  rays->dx,
-                              rays->dy, rays->dz, rays->self};
-        prefetch_next(next, sizeof next / sizeof *next, i);
         sort_in(bundle, rest, &packet, wanted, vf_set(INFINITY), i);
     }
 }
@@ -356,9 +345,6 @@ static void load_shadows(const struct rb_shadows *shadows, uint32_t first, struc
             .self = vi_load(shadows->self + i),
             .shadow = true,
         };
-        const void *next[] = {shadows->ox, shadows->oy, shadows->oz,   shadows->dx,
-                              shadows->dy, shadows->dz, shadows->self, shadows->distance};
-        prefetch_next(next, sizeof next / sizeof *next, i);
         vint wanted = vi_first(shadows->count - i) & vv_finite(packet.o) & vv_finite(packet.d);
         sort_in(bundle, rest, &packet, wanted, vf_load(shadows->distance + i), i);
     }
