@@ -139,21 +139,6 @@ static enum rb_status open_row(const struct rb_scene *scene, const struct rb_var
     return status;
 }
 
-// Embree's build as the targets mean it: of medium quality, spheres as user geometry.
-static void note_medium(const struct rb_renderer *renderer, const struct rb_embree_tree *tree,
-                        struct rb_contest *contests)
-{
-    double build_ns = (double)rb_renderer_build_ns(renderer);
-    if (!tree || tree->high || tree->native || tree->isa)
-        return;
-    for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++) {
-        struct rb_contest *contest = &contests[c];
-        if (contest->medium_build_ns == 0 || build_ns < contest->medium_build_ns)
-            contest->medium_build_ns = build_ns;
-        contest->medium_bytes = rb_renderer_tree_bytes(renderer);
-    }
-}
-
 // All rows of a table that are exact (ours), or are not.
 static enum rb_status try_table(const struct rb_variant *table, bool exact,
                                 const struct rb_scene *scene, double load_s, bool first,
@@ -176,8 +161,6 @@ static enum rb_status try_table(const struct rb_variant *table, bool exact,
             uint64_t start_ns = rb_clock_ns();
             status = open_row(scene, row, samples, &renderer, error);
             build_s = since_s(start_ns);
-            if (status == RB_OK)
-                note_medium(renderer, row->embree, contests);
         }
         if (status == RB_OK)
             try_row(renderer, row, index, load_s + build_s, samples, contests, side);

@@ -7,6 +7,8 @@
 #include "bench/replay/record.h"
 #include "bench/run/folder.h"
 #include "bench/run/process.h"
+
+#include "bench/versus/pages.h"
 #include "cli/commands.h"
 #include "embree/embree.h"
 #include "measure/affinity.h"
@@ -28,6 +30,8 @@ static const struct rb_option options[] = {
      "processes of either side; default 6, the fewest with a 95 % interval"},
     {"--class", "CLASS,...", RB_OPTION_TEXT, BENCH(classes), 0, 0,
      "rays: primary, shadow, reflection, refraction, diffuse; default all"},
+    {"--threads", "N", RB_OPTION_INT, offsetof(struct rb_arguments, settings.threads), 1,
+     RB_THREADS_MAX, "threads at most; 1: one alone; default: one, and all there are"},
     {"--size", "WxH", RB_OPTION_SIZE, offsetof(struct rb_arguments, settings), 1, RB_SIZE_MAX,
      "image whose pixels the rays start from; default 1024x1024"},
     {"--out", "DIR", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
@@ -40,16 +44,19 @@ const struct rb_command rb_command_versus = {
     .name = "versus",
     .summary = "our best row against Embree's best mode, for every class of rays",
     .synopsis = "[SCENE...] [options]",
-    .text = "Needs a build with libembree. Scenes: balls_high balls6 mount6 mount9 mount10, unless "
-            "told.\n\n"
-            "  raybench versus balls_high --processes 10\n"
-            "  raybench versus mount6 mount9 --class primary,shadow --budget 2m\n\n"
-            "Rays are those of `raybench record --classes all`. Embree's mode is the fastest of\n"
-            "single rays, packets of 8 and 16, streams, coherent or not, either build quality,\n"
-            "either kind of spheres, AVX2 or AVX-512, shadow rays from the point or from the\n"
-            "light, found on a sample of the rays for each class; our row is found likewise. Both\n"
-            "then measure all rays, one process after the other. One thread: kernels are\n"
-            "replayed serially. Writes versus.csv to a new folder of DIR, and results/latest.",
+    .text =
+        "Needs a build with libembree. Scenes: balls_high balls6 mount6 mount9 mount10, unless "
+        "told.\n\n"
+        "  raybench versus balls_high --processes 10\n"
+        "  raybench versus mount6 mount9 --class primary,shadow --budget 2m\n\n"
+        "Rays are those of `raybench record --classes all`. Embree's mode is the fastest of\n"
+        "single rays, packets of 8 and 16, streams, coherent or not, either build quality,\n"
+        "either kind of spheres, AVX2 or AVX-512, shadow rays from the point or from the\n"
+        "light, found with one thread on a sample of the rays for each class; our row is found\n"
+        "likewise. Both then measure all rays, one process after the other, with one thread\n"
+        "and with all, which take batches of at most 4096 rays in turn. The memory of both\n"
+        "sides asks for huge pages, unless GLIBC_TUNABLES is set. Writes versus.csv to a new\n"
+        "folder of DIR, and results/latest.",
     .positional_min = 0,
     .positional_max = 16,
     .groups = (const struct rb_option *const[]){options, NULL},
@@ -71,7 +78,8 @@ enum {
     PROCESSES_DEFAULT = 6,
     PROCESSES_LEAST = 2,
     SIZE_DEFAULT = 1024,
-    CPUS_MAX = 1024
+    CPUS_MAX = 1024,
+    THREAD_COUNTS = 2, // one, and all
 };
 static const double MEASURE_S = 0.5, MEASURE_LEAST_S = 0.05;
 
@@ -83,8 +91,10 @@ struct session {
     int scene_count;
     uint64_t start_ns;
     struct rb_reference reference[SCENES_MAX];
-    struct rb_contest contests[SCENES_MAX * RB_VERSUS_CLASS_COUNT];
+    struct rb_versus_trees trees[SCENES_MAX][THREAD_COUNTS];
+    struct rb_contest contests[SCENES_MAX * THREAD_COUNTS * RB_VERSUS_CLASS_COUNT];
     size_t contest_count;
+    int thread_counts[THREAD_COUNTS], scene_contests; // contests of a scene: classes by threads
     bool failed;
 };
 
@@ -128,7 +138,7 @@ static struct rounds plan_rounds(const struct session *session, const struct rb_
     int processes = 0;
     if (arguments->budget_s == 0)
         return rounds;
-    for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++)
+    for (int c = 0; c < session->scene_contests; c++)
         for (int side = 0; side < 2 && is_wanted(session, &contests[c]); side++, processes++)
             fixed_s += contests[c].side[side].load_s + 2 * contests[c].side[side].round_s;
     double share_s =
@@ -170,7 +180,8 @@ static void run_process(struct session *session, struct rb_contest *contest, int
     rb_worker_word(&words, "--class=%s", rb_ray_class_names[contest->rays->rays.ray_class]);
     rb_worker_word(&words, "--bounce=%d", contest->rays->rays.bounce);
     rb_worker_word(&words, "--slice=%.4f", one->load_s + 2 * one->round_s + seconds);
-    rb_worker_word(&words, "--cpu=%d", choose_cpu(round));
+    rb_worker_word(&words, "--threads=%d", contest->threads);
+    rb_worker_word(&words, "--cpu=%d", contest->single ? -1 : choose_cpu(round));
     rb_worker_word(&words, "--process=%d", round);
     rb_worker_word(&words, "--");
     rb_worker_word(&words, "%s", path);
@@ -190,7 +201,7 @@ static void measure(struct session *session, struct rb_contest *contests, int sc
 {
     struct rounds rounds = plan_rounds(session, contests, scene);
     for (int round = 0; round < rounds.count; round++)
-        for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++)
+        for (int c = 0; c < session->scene_contests; c++)
             for (int turn = 0; turn < 2 && !rb_process_interrupted(); turn++) {
                 if (!is_wanted(session, &contests[c]))
                     continue;
@@ -200,26 +211,37 @@ static void measure(struct session *session, struct rb_contest *contests, int sc
             }
 }
 
+// The contests of a scene: all classes of rays with one thread, then with all.
 static void begin_contests(struct session *session, int scene, const struct rb_scene *loaded,
                            struct rb_contest *contests)
 {
     struct rb_reference *reference = &session->reference[scene];
     *reference = (struct rb_reference){.scene_name = session->scenes[scene],
                                        .primitive_count = loaded->primitive_count};
-    for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++) {
-        contests[c] = (struct rb_contest){.scene = session->scenes[scene],
+    for (int i = 0; i < session->scene_contests; i++) {
+        int threads = i / RB_VERSUS_CLASS_COUNT, c = i % RB_VERSUS_CLASS_COUNT;
+        contests[i] = (struct rb_contest){.scene = session->scenes[scene],
                                           .rays_name = rb_versus_classes[c].name,
                                           .rays = &rb_versus_classes[c],
-                                          .primitive_count = loaded->primitive_count};
+                                          .primitive_count = loaded->primitive_count,
+                                          .threads = session->thread_counts[threads],
+                                          .single = threads ? &contests[c] : NULL,
+                                          .trees = &session->trees[scene][threads]};
         session->contest_count++;
     }
 }
 
+// Rows that were chosen with one thread stand for all.
 static void name_rows(const struct session *session, int scene, struct rb_contest *contests)
 {
-    for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++)
+    for (int i = 0; i < session->scene_contests; i++)
         for (int side = 0; side < 2; side++) {
-            struct rb_versus_side *one = &contests[c].side[side];
+            struct rb_contest *contest = &contests[i];
+            struct rb_versus_side *one = &contest->side[side];
+            if (contest->single) {
+                contest->ray_count = contest->single->ray_count;
+                *one = contest->single->side[side];
+            }
             one->cell.variant = one->row;
             one->cell.reference = (struct rb_reference *)(uintptr_t)&session->reference[scene];
             one->cell.state = one->row ? RB_CELL_OPEN : RB_CELL_UNAVAILABLE;
@@ -262,9 +284,15 @@ static int contend(struct session *session, int index, const char *path)
     if (code)
         return code;
     double load_s = since_s(start_ns);
-    tell(session, name, "looking for the best rows");
     begin_contests(session, index, &scene, contests);
-    enum rb_status status = rb_versus_choose(path, &scene, load_s, contests, &error);
+    enum rb_status status = RB_OK;
+    tell(session, name, "building trees");
+    for (int t = 0; t < session->scene_contests / RB_VERSUS_CLASS_COUNT && status == RB_OK; t++)
+        status =
+            rb_versus_build(&scene, session->thread_counts[t], &session->trees[index][t], &error);
+    tell(session, name, "looking for the best rows");
+    if (status == RB_OK)
+        status = rb_versus_choose(path, &scene, load_s, contests, &error);
     rb_scene_free(&scene);
     if (status)
         return rb_report(status, &error);
@@ -316,12 +344,18 @@ static enum rb_status begin(struct session *session, const struct rb_arguments *
     bool told = arguments->positional_count > 0;
     session->scenes = told ? arguments->positional : plan;
     session->scene_count = told ? arguments->positional_count : (int)(sizeof plan / sizeof *plan);
+    int most = rb_threads_default(), asked = arguments->settings.threads;
+    session->thread_counts[0] = 1;
+    session->thread_counts[1] = asked && asked < most ? asked : most;
+    session->scene_contests = RB_VERSUS_CLASS_COUNT * (session->thread_counts[1] > 1 ? 2 : 1);
     if (!rb_embree_version())
         return rb_error_set(error, RB_INVALID, "versus needs libembree: run make setup, then make");
     const char *parent = arguments->output ? arguments->output : "results";
     enum rb_status status = check_classes(arguments->bench.classes, error);
     if (status == RB_OK)
         status = rb_process_self(session->program, sizeof session->program, error);
+    if (status == RB_OK)
+        rb_versus_restart(session->program);
     if (status == RB_OK)
         status = rb_folder_check(parent, error);
     if (status == RB_OK)
