@@ -169,6 +169,31 @@ static enum rb_status try_table(const struct rb_variant *table, bool exact,
     return status;
 }
 
+// Tests that the rays of the samples need, one at a time.
+static enum rb_status count_tests(const struct rb_scene *scene, const struct samples *samples,
+                                  struct rb_contest *contests, struct rb_error *error)
+{
+    static struct rb_count_table table;
+    const struct rb_variant *row = rb_variant_find("bvh8-avx2");
+    struct rb_renderer *renderer;
+    struct rb_run_result result;
+    if (!rb_variant_available(row))
+        return RB_OK;
+    enum rb_status status = open_row(scene, row, samples, &renderer, error);
+    for (int c = 0; c < RB_VERSUS_CLASS_COUNT && status == RB_OK; c++) {
+        const struct sample *sample = &samples->of[c];
+        const struct rb_record_choice *rays = &rb_versus_classes[c].rays;
+        const struct rb_run_options how = {.replay = &sample->replay, .counts = &table};
+        if (!sample->rays)
+            continue;
+        table = (struct rb_count_table){0};
+        rb_renderer_run(renderer, &how, &result);
+        contests[c].tests = rb_versus_tests_of(&table.at[rays->kernel][rays->bounce], sample->rays);
+    }
+    rb_renderer_free(renderer);
+    return status;
+}
+
 enum rb_status rb_versus_choose(const char *path, const struct rb_scene *scene, double load_s,
                                 struct rb_contest contests[RB_VERSUS_CLASS_COUNT],
                                 struct rb_error *error)
@@ -184,6 +209,8 @@ enum rb_status rb_versus_choose(const char *path, const struct rb_scene *scene, 
             status =
                 try_table(rb_embree_rows, false, scene, load_s, first, samples, contests, error);
     }
+    if (status == RB_OK)
+        status = count_tests(scene, samples, contests, error);
     free_samples(samples);
     rb_free(samples);
     return status;

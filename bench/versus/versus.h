@@ -4,6 +4,7 @@
 
 #include "bench/replay/record_file.h"
 #include "bench/run/cell.h"
+#include "bench/versus/bound.h"
 #include "cli/options.h"
 
 #include <stdio.h>
@@ -48,12 +49,14 @@ struct rb_contest {
     int threads;                         // that share the rays
     const struct rb_contest *single;     // the same by one thread; NULL: this is it
     const struct rb_versus_trees *trees; // by as many threads
+    struct rb_versus_tests tests;        // by one ray at a time, on a sample
     struct rb_versus_side side[2];
 };
 
 // Finds the best rows for the contests of a scene, one for each class and one thread, whose rays
 // are in the record `path`: every row on the same random batches, the fastest of some runs
-// (choose.c). `load_s` is what loading the scene has taken. RB_FAILED without memory.
+// (choose.c); and counts tests. `load_s` is what loading the scene has taken. RB_FAILED without
+// memory.
 enum rb_status rb_versus_choose(const char *path, const struct rb_scene *scene, double load_s,
                                 struct rb_contest contests[RB_VERSUS_CLASS_COUNT],
                                 struct rb_error *error);

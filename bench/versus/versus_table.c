@@ -15,6 +15,7 @@ struct line {
     const struct rb_contest *contest;
     double mrays[2];
     double speed_up[2];        // over one thread
+    double least_ns;           // per ray, with all threads
     struct rb_median ratio;    // ours over Embree's, in rays per second
     uint64_t compared, differ; // answers of Embree's
 };
@@ -49,9 +50,11 @@ static double speed_up(const struct rb_contest *contest, int side)
     return value;
 }
 
-static struct line make_line(const struct rb_contest *contest)
+static struct line make_line(const struct rb_contest *contest, double cycles_per_ns)
 {
     struct line line = {.contest = contest};
+    double cycles = rb_versus_least_cycles(&contest->tests);
+    line.least_ns = cycles / cycles_per_ns / contest->threads;
     const struct rb_cell *embree = &contest->side[1].cell;
     size_t count[2];
     double *times[2];
@@ -129,13 +132,27 @@ static void print_trees(const struct line *lines, size_t count)
            differ, compared);
 }
 
+// What is left to gain, where one thread works.
+static void print_bound(const struct line *line)
+{
+    const struct rb_contest *contest = line->contest;
+    const struct rb_versus_tests *tests = &contest->tests;
+    if (contest->single)
+        return;
+    printf("  %-11s %-11s %8.2f %8.2f %8.2f %8.2f %9.2f %9.2f %8.1f %8.1f\n", contest->scene,
+           contest->rays_name, tests->nodes, tests->spheres, tests->triangles, tests->planes,
+           line->least_ns, 1e3 / line->mrays[0], 1e3 / line->mrays[0] / line->least_ns,
+           1e3 / line->mrays[1] / line->least_ns);
+}
+
 void rb_versus_print(const struct rb_contest *contests, size_t count)
 {
     struct line *lines = rb_alloc(count, sizeof *lines);
     size_t made = 0;
+    double cycles_per_ns = rb_versus_cycles_per_ns();
     for (size_t i = 0; lines && i < count; i++)
         if (has_times(&contests[i]))
-            lines[made++] = make_line(&contests[i]);
+            lines[made++] = make_line(&contests[i], cycles_per_ns);
     if (made) {
         printf("\n  trees: ours of 8 children, and of Embree %s, medium quality\n",
                rb_embree_version());
@@ -147,6 +164,13 @@ void rb_versus_print(const struct rb_contest *contests, size_t count)
                 end++;
             print_trees(&lines[first], end - first);
         }
+        printf("\n  the bound: tests a ray needs, one at a time, in a tree of 8 children, and the "
+               "least they take at %.2f GHz\n",
+               cycles_per_ns);
+        printf("  %-11s %-11s %8s %8s %8s %8s %9s %9s %8s %8s\n", "scene", "rays", "nodes",
+               "spheres", "triang.", "planes", "least ns", "our ns", "x least", "Embree's");
+        for (size_t i = 0; i < made; i++)
+            print_bound(&lines[i]);
         qsort(lines, made, sizeof *lines, by_ratio);
         printf("\n  %-11s %-11s %7s %7s  %-15s %8s %8s  %-11s %-14s %s\n", "scene", "rays",
                "threads", "ratio", "95 % interval", "Mrays/s", "Embree", "x 1 thread", "our row",
@@ -170,14 +194,16 @@ void rb_versus_write(FILE *out, const struct rb_contest *contests, size_t count)
     fputs("scene,rays,threads,row,embree_mode,mrays_ours,mrays_embree,ratio,ratio_lo,ratio_hi,"
           "build_ns_ours,build_ns_embree,bytes_per_primitive_ours,bytes_per_primitive_embree,"
           "rays_compared,rays_differ,speed_up_ours,speed_up_embree,huge_pct_ours,"
-          "huge_pct_embree\n",
+          "huge_pct_embree,nodes_per_ray,sphere_blocks_per_ray,triangle_blocks_per_ray,"
+          "planes_per_ray,least_ns_per_ray\n",
           out);
+    double cycles_per_ns = rb_versus_cycles_per_ns();
     for (size_t i = 0; i < count; i++) {
         const struct rb_contest *contest = &contests[i];
         const struct rb_versus_trees *trees = contest->trees;
         if (!has_times(contest))
             continue;
-        struct line line = make_line(contest);
+        struct line line = make_line(contest, cycles_per_ns);
         const double numbers[] = {line.mrays[0],
                                   line.mrays[1],
                                   line.ratio.value,
@@ -192,7 +218,12 @@ void rb_versus_write(FILE *out, const struct rb_contest *contests, size_t count)
                                   line.speed_up[0],
                                   line.speed_up[1],
                                   trees->huge_pct[0],
-                                  trees->huge_pct[1]};
+                                  trees->huge_pct[1],
+                                  contest->tests.nodes,
+                                  contest->tests.spheres,
+                                  contest->tests.triangles,
+                                  contest->tests.planes,
+                                  line.least_ns};
         rb_csv_put_text(out, contest->scene);
         fprintf(out, ",%s,%d,%s,%s", contest->rays_name, contest->threads,
                 contest->side[0].row->name, rb_versus_mode(contest));
