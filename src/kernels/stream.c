@@ -50,12 +50,14 @@ static void go_alone(struct stream *stream, const struct visit *visit)
         struct rb_ray one = ray_of(stream, index);
         struct wide_ray ray;
         wide_ray_make(&one, &ray);
-        struct rb_hit *best = &stream->ray[index].best;
         RB_COUNT_BEGIN(stream->begin + index);
-        if (stream->sides != RB_SIDES_BOTH)
-            *best = single_closest(stream->world, visit->child, &ray, *best);
-        else if (single_any(stream->world, visit->child, &ray, best->t))
-            *best = OCCLUDED;
+        if (!stream->occluded) {
+            struct rb_hit best = best_of(stream, index);
+            best = single_closest(stream->world, visit->child, &ray, best);
+            keep(stream, index, &best);
+        } else if (single_any(stream->world, visit->child, &ray, stream->ray[index].t)) {
+            keep_occluded(stream, index);
+        }
     }
 }
 
@@ -66,57 +68,124 @@ static void visit_others(struct stream *stream, const struct visit *visit)
     for (uint32_t i = 0; i < visit->count; i++) {
         uint32_t index = stream->pool[visit->list + i];
         struct rb_ray ray = ray_of(stream, index);
-        struct rb_hit *best = &stream->ray[index].best;
         RB_COUNT_BEGIN(stream->begin + index);
-        if (stream->sides != RB_SIDES_BOTH)
-            *best = leaf_one_by_one(stream->world, ids, &ray, *best);
-        else if (leaf_one_by_one(stream->world, ids, &ray, RB_MISS).t < best->t)
-            *best = OCCLUDED;
+        if (!stream->occluded) {
+            struct rb_hit best = best_of(stream, index);
+            best = leaf_one_by_one(stream->world, ids, &ray, best);
+            keep(stream, index, &best);
+        } else if (leaf_one_by_one(stream->world, ids, &ray, RB_MISS).t < stream->ray[index].t) {
+            keep_occluded(stream, index);
+        }
     }
 }
 
-static inline void take(const struct stream *stream, const struct wide_hits *hits,
-                        struct rb_hit *best)
+// A hit that is no farther than what was best.
+static inline void take(struct stream *stream, uint32_t index, const struct rb_hit *hit)
 {
-    if (stream->sides != RB_SIDES_BOTH)
-        *best = keep_closest(hits, *best);
-    else if (vi_any(hits->found & (hits->t < best->t)))
-        *best = OCCLUDED;
+    struct rb_hit best = {stream->ray[index].t, .prim = 0};
+    if (stream->occluded) {
+        if (hit->t < best.t)
+            keep_occluded(stream, index);
+        return;
+    }
+    best.prim = stream->found.prim[index];
+    if (rb_hit_closer(hit, &best))
+        keep(stream, index, hit);
 }
 
-// The rays of a visit against part of a block, which stays in registers.
-RB_INLINE void visit_part(struct stream *stream, const struct visit *visit, int lane,
-                          enum rb_wide_kind kind)
+RB_INLINE void take_lanes(struct stream *stream, uint32_t index, const struct wide_hits *hits)
 {
-    const struct rb_wide *wide = stream->world->wide;
-    uint32_t block = rb_wide_index_of(visit->child);
-    struct wide_spheres spheres;
-    struct wide_triangles triangles;
-    if (kind == RB_WIDE_SPHERES)
-        spheres = wide_spheres_load(&wide->spheres[block], lane);
-    else
-        triangles = wide_triangles_load(&wide->triangles[block], lane);
-    for (uint32_t i = 0; i < visit->count; i++) {
-        struct stream_ray *from = &stream->ray[stream->pool[visit->list + i]];
-        struct rb_ray one = {.self = from->self, .sides = stream->sides};
-        struct wide_ray ray = {
-            .o = vv_set(from->o), .inv = vv_set(from->inv), .d = vv_set(from->d), .one = &one};
-        struct wide_hits hits = kind == RB_WIDE_SPHERES ? wide_spheres_hit(&spheres, &ray)
-                                                        : wide_triangles_hit(&triangles, &ray);
-        take(stream, &hits, &from->best);
+    if (stream->occluded) {
+        if (vi_any(hits->found & (hits->t < stream->ray[index].t)))
+            keep_occluded(stream, index);
+    } else if (vi_any(hits->found & (hits->t <= stream->ray[index].t))) {
+        struct rb_hit best = keep_closest(hits, best_of(stream, index));
+        keep(stream, index, &best);
     }
 }
 
+RB_INLINE struct wide_ray wide_ray_of(const struct stream *stream, uint32_t index)
+{
+    const struct stream_ray *ray = &stream->ray[index];
+    return (struct wide_ray){.o = vv_set(ray->o),
+                             .inv = vv_set(ray->inv),
+                             .d = vv_set(stream->d[index]),
+                             .self = vi_set(ray->self),
+                             .sides = stream->sides};
+}
+
+static void meet_pairs(struct stream *stream)
+{
+    struct pairs *pairs = &stream->pairs;
+    struct wide_spheres spheres = spheres_of(stream->world->scene, pairs->prim);
+    const float *rays = stream->ray[0].o;
+    struct vquads first = vq_load(rays, RAY_FLOATS, pairs->ray);
+    struct vquads second = vq_load(rays + 4, RAY_FLOATS, pairs->ray);
+    struct vquads d = vq_load(stream->d[0], 4, pairs->ray);
+    struct wide_ray ray = {.o = {first.a, first.b, first.c},
+                           .d = {d.a, d.b, d.c},
+                           .inv = {first.d, second.a, second.b},
+                           .self = (vint)second.d,
+                           .sides = stream->sides};
+    struct wide_hits hits = wide_spheres_hit(&spheres, &ray);
+    float t[RB_LANES];
+    vf_store(t, hits.t);
+    unsigned bits = vi_bits(hits.found & (hits.t <= second.c) & vi_first(pairs->count));
+    for (; bits; bits &= bits - 1) {
+        int lane = __builtin_ctz(bits);
+        struct rb_hit hit = {t[lane], 0.0f, 0.0f, pairs->prim[lane]};
+        take(stream, pairs->ray[lane], &hit);
+    }
+    pairs->count = 0;
+}
+
+// The rays of a visit against part of a block, which stays in registers. Those that may hit a
+// sphere are put aside first, so that nothing is mispredicted.
 static void visit_spheres(struct stream *stream, const struct visit *visit)
 {
-    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
-        visit_part(stream, visit, lane, RB_WIDE_SPHERES);
+    const struct rb_wide_spheres *block =
+        &stream->world->wide->spheres[rb_wide_index_of(visit->child)];
+    struct pairs *pairs = &stream->pairs;
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES) {
+        struct wide_spheres spheres = wide_spheres_load(block, lane);
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < visit->count; i++) {
+            uint32_t index = stream->pool[visit->list + i];
+            struct wide_ray ray = wide_ray_of(stream, index);
+            unsigned bits = vi_bits(wide_spheres_ahead(&spheres, &ray));
+            stream->some[count] = index;
+            stream->bits[count] = (uint8_t)bits;
+            count += bits != 0;
+        }
+        for (uint32_t i = 0; i < count; i++)
+            for (unsigned bits = stream->bits[i]; bits; bits &= bits - 1) {
+                pairs->ray[pairs->count] = stream->some[i];
+                pairs->prim[pairs->count++] = block->id[lane + __builtin_ctz(bits)];
+                if (pairs->count == RB_LANES)
+                    meet_pairs(stream);
+            }
+    }
 }
 
 static void visit_triangles(struct stream *stream, const struct visit *visit)
 {
-    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
-        visit_part(stream, visit, lane, RB_WIDE_TRIANGLES);
+    const struct rb_wide_triangles *block =
+        &stream->world->wide->triangles[rb_wide_index_of(visit->child)];
+    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES) {
+        struct wide_triangles triangles = wide_triangles_load(block, lane);
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < visit->count; i++) {
+            uint32_t index = stream->pool[visit->list + i];
+            struct wide_ray ray = wide_ray_of(stream, index);
+            stream->some[count] = index;
+            count += vi_bits(wide_triangles_edges(&triangles, &ray).found) != 0;
+        }
+        for (uint32_t i = 0; i < count; i++) {
+            struct wide_ray ray = wide_ray_of(stream, stream->some[i]);
+            struct wide_hits hits = wide_triangles_hit(&triangles, &ray);
+            take_lanes(stream, stream->some[i], &hits);
+        }
+    }
 }
 
 static void visit_leaf(struct stream *stream, const struct visit *visit)
@@ -170,7 +239,7 @@ static void test_node(struct stream *stream, const struct rb_wide_node *node,
         const struct stream_ray *one = &stream->ray[index];
         struct wide_ray ray;
         ray.o = vv_set(one->o), ray.inv = vv_set(one->inv);
-        vfloat limit = vf_set(one->best.t);
+        vfloat limit = vf_set(one->t);
         unsigned bits = 0;
         for (int part = 0; part < WIDE_PARTS; part++) {
             vfloat from, to;
@@ -268,21 +337,45 @@ static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint3
         else
             depth = visit_node(stream, &visit, top, depth);
     }
+    if (stream->pairs.count)
+        meet_pairs(stream);
+}
+
+// Lists the rays octant by octant, from the start of the pool; first[i] is where octant i begins.
+// Coherent rays are dealt with by whole vectors.
+static void sort_octants(struct stream *stream, uint32_t first[OCTANTS + 2])
+{
+    uint32_t next[OCTANTS + 1];
+    memset(first, 0, (OCTANTS + 2) * sizeof *first);
+    for (uint32_t i = 0; i < stream->count; i += RB_LANES) {
+        const uint32_t *octant = stream->octant + i;
+        if (!vi_any(vi_load(octant) != vi_set(*octant)))
+            first[*octant + 1] += RB_LANES;
+        else
+            for (uint32_t lane = 0; lane < RB_LANES; lane++)
+                first[octant[lane] + 1]++;
+    }
+    for (int octant = 0; octant < OCTANTS; octant++)
+        first[octant + 1] += first[octant];
+    memcpy(next, first, sizeof next);
+    for (uint32_t i = 0; i < stream->count; i += RB_LANES) {
+        const uint32_t *octant = stream->octant + i;
+        if (!vi_any(vi_load(octant) != vi_set(*octant))) {
+            vi_store(stream->pool + next[*octant], vi_set(i) + vi_lanes());
+            next[*octant] += RB_LANES;
+        } else {
+            for (uint32_t lane = 0; lane < RB_LANES; lane++)
+                stream->pool[next[octant[lane]]++] = i + lane;
+        }
+    }
 }
 
 static void run(struct stream *stream)
 {
-    uint32_t first[OCTANTS + 2] = {0}; // of each octant, in the pool
+    uint32_t first[OCTANTS + 2];
     if (stream->world->wide->count[RB_WIDE_NODE] == 0)
         return;
-    for (uint32_t i = 0; i < stream->count; i++)
-        first[stream->octant[i] + 1]++;
-    for (int octant = 0; octant < OCTANTS; octant++)
-        first[octant + 1] += first[octant];
-    uint32_t next[OCTANTS + 1];
-    memcpy(next, first, sizeof next);
-    for (uint32_t i = 0; i < stream->count; i++)
-        stream->pool[next[stream->octant[i]]++] = i;
+    sort_octants(stream, first);
     for (int octant = 0; octant < OCTANTS; octant++) {
         uint32_t count = first[octant + 1] - first[octant];
         for (int k = 0; k < 3; k++)
@@ -297,16 +390,19 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
     struct source source = {rays->ox, rays->oy, rays->oz,   rays->dx, rays->dy,
                             rays->dz, NULL,     rays->self, 0,        rays->count};
     struct stream stream;
+    stream.pairs = (struct pairs){0};
     stream.world = world;
     stream.sides = world->one_sided ? RB_SIDES_FRONT : RB_SIDES_VISIBLE;
+    stream.occluded = NULL;
     for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream.found = (struct rb_hits){hits->t + source.begin, hits->u + source.begin,
+                                        hits->v + source.begin, hits->prim + source.begin};
         stream_fill(&stream, &source);
         run(&stream);
-        for (uint32_t i = 0; i < stream.count; i++) {
-            rb_hit_store(hits, source.begin + i, &stream.ray[i].best);
-            RB_COUNT_BEGIN(source.begin + i);
-            RB_COUNT_RAYS(HITS, stream.ray[i].best.prim != RB_NONE, 1);
-        }
+    }
+    for (uint32_t i = 0; RB_COUNTS && i < rays->count; i++) {
+        RB_COUNT_BEGIN(i);
+        RB_COUNT_RAYS(HITS, hits->prim[i] != RB_NONE, 1);
     }
 }
 
@@ -316,15 +412,16 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
                             shadows->dy, shadows->dz,   shadows->distance, shadows->self,
                             0,           shadows->count};
     struct stream stream;
+    stream.pairs = (struct pairs){0};
     stream.world = world;
     stream.sides = RB_SIDES_BOTH;
     for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream.occluded = shadows->occluded + source.begin;
         stream_fill(&stream, &source);
         run(&stream);
-        for (uint32_t i = 0; i < stream.count; i++) {
-            shadows->occluded[source.begin + i] = stream.ray[i].best.prim != RB_NONE;
-            RB_COUNT_BEGIN(source.begin + i);
-            RB_COUNT_RAYS(OCCLUDED, shadows->occluded[source.begin + i], 1);
-        }
+    }
+    for (uint32_t i = 0; RB_COUNTS && i < shadows->count; i++) {
+        RB_COUNT_BEGIN(i);
+        RB_COUNT_RAYS(OCCLUDED, shadows->occluded[i], 1);
     }
 }
