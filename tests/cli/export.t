@@ -13,7 +13,7 @@ says() { grep -qE -e "$1" "$tmp/err"; }
 
 # One line that says what is missing, or a picture.
 plots() {
-    if scripts/plot_scaling "$tmp/grown" "$tmp/plot.svg" 2>"$tmp/err"; then
+    if scripts/plot_scaling.py "$tmp/grown" "$tmp/plot.svg" 2>"$tmp/err"; then
         grep -q '<svg' "$tmp/plot.svg"
     else
         [ "$(wc -l <"$tmp/err")" = 1 ] && says 'needs matplotlib: apt-get install'

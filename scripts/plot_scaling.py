@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Time per ray over the number of primitives, from a result of `raybench bench scaling`.
 
-usage: scripts/plot_scaling [RESULT [FILE.svg]]    (default: results/latest, scaling.svg)
+usage: scripts/plot_scaling.py [RESULT [FILE.svg]]    (default: results/latest, scaling.svg)
 
 A panel for each generator and kernel, a line for each variant, camera rays and what they spawn.
 """
