@@ -108,7 +108,7 @@ SCENE    ?= balls_high
 simulate: all
 	$(B)/raybench simulate $(SCENE) $(if $(VARIANT),--variant $(VARIANT)) $(SIMULATE)
 
-## versus: our best rows against Embree's best modes, half an hour (VERSUS="balls_high --budget 1m")
+## versus: our best rows against Embree's best modes, an hour (VERSUS="balls_high --budget 1m")
 versus: all
 	$(B)/raybench versus $(VERSUS)
 

@@ -19,6 +19,8 @@ static int run(const struct rb_arguments *arguments);
 static const struct rb_option options[] = {
     {"--slice", "S", RB_OPTION_NUMBER, BENCH(slice_s), 0, 1e6, "seconds the process may take"},
     {"--cpu", "N", RB_OPTION_INT, BENCH(cpu), -1, 65535, "processor to stay on; -1: any"},
+    {"--threads", "N", RB_OPTION_INT, offsetof(struct rb_arguments, settings.threads), 1,
+     RB_THREADS_MAX, "threads that share the batches; default 1"},
     {"--process", "N", RB_OPTION_INT, BENCH(process), 0, 1e6, "round, for the samples"},
     {"--simulate-batches", "N", RB_OPTION_INT, BENCH(simulate_tiles), 0, 1e9,
      "two rounds over so many batches, the second one as laps of a simulator"},

@@ -72,6 +72,10 @@ struct rb_figure rb_cell_ns_per_ray(const struct rb_cell *cell, enum rb_stage st
 size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int bounce,
                            double *times);
 
+// The same of wall time, where threads share the rays of one stage at one bounce.
+size_t rb_cell_process_wall_p10(const struct rb_cell *cell, enum rb_stage stage, int bounce,
+                                double *times);
+
 struct rb_figure rb_cell_frame_ns(const struct rb_cell *cell); // wall time
 struct rb_figure rb_cell_build_ns(const struct rb_cell *cell);
 double rb_cell_busy_ns(const struct rb_cell *cell); // thread time of a frame

@@ -23,8 +23,8 @@ struct rb_frame {
 
     // Of the running render:
     struct rb_run_options how; // its tile_count is that of the frame if there are no `tiles`
-    atomic_uint next_tile, tiles_done;
-    int thread_count; // that took part
+    atomic_uint next_tile, tiles_done; // next_tile counts batches in a replay
+    int thread_count;                  // that took part
 };
 
 struct rb_worker {
@@ -53,10 +53,11 @@ struct rb_children {
 struct rb_children rb_worker_shade(struct rb_worker *worker, int bounce, const struct rb_rays *rays,
                                    const struct rb_hits *hits, rb_flush_fn *flush, void *user);
 
-// Renders tiles until none is left; called once by every worker, in its own thread.
+// Renders tiles, or replays batches, until none is left; called once by every worker, in its own
+// thread.
 void rb_worker_run(struct rb_worker *worker);
 
-// Goes through frame->how.replay.
+// The latter: batches of frame->how.replay, round after round.
 void rb_worker_replay(struct rb_worker *worker);
 
 #endif

@@ -198,14 +198,11 @@ static void begin_simulation(struct rb_worker *worker)
     rb_simulate_begin();
 }
 
-void rb_worker_run(struct rb_worker *worker)
+static void render_tiles(struct rb_worker *worker)
 {
     struct rb_frame *frame = worker->frame;
-    fenv_t saved;
-    rb_fpenv_enter(&saved);
     rb_counting.cost = frame->how.heat ? worker->queues.cost : NULL;
     rb_counting.chosen = frame->how.heat_of;
-    rb_probe_start(&worker->recorder);
     for (;;) {
         uint32_t next = atomic_fetch_add(&frame->next_tile, 1);
         if (next >= frame->how.tile_count)
@@ -223,7 +220,16 @@ void rb_worker_run(struct rb_worker *worker)
         rb_worker_lap(worker, RB_STAGE_OTHER, 0, 0);
     }
     rb_counting.cost = NULL;
-    if (frame->how.simulate_from)
+}
+
+void rb_worker_run(struct rb_worker *worker)
+{
+    const struct rb_run_options *how = &worker->frame->how;
+    fenv_t saved;
+    rb_fpenv_enter(&saved);
+    rb_probe_start(&worker->recorder);
+    (how->replay ? rb_worker_replay : render_tiles)(worker);
+    if (how->simulate_from)
         rb_simulate_stop();
     rb_fpenv_leave(&saved);
 }

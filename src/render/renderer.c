@@ -175,14 +175,6 @@ static void add_counts(struct rb_count_table *to, const struct rb_count_table *f
             rb_counts_add(&to->at[stage][bounce], &from->at[stage][bounce]);
 }
 
-// A schedule of recorded batches.
-static void replay(struct rb_frame *frame, struct rb_worker *workers, int count)
-{
-    (void)count;
-    frame->thread_count = 1;
-    rb_worker_replay(&workers[0]);
-}
-
 void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *options,
                      struct rb_run_result *result)
 {
@@ -206,7 +198,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     fenv_t saved;
     rb_fpenv_enter(&saved);
     uint64_t start_ns = rb_clock_ns();
-    (frame->how.replay ? replay : renderer->variant->schedule)(frame, renderer->workers, count);
+    renderer->variant->schedule(frame, renderer->workers, count);
     *result = (struct rb_run_result){
         .wall_ns = rb_clock_ns() - start_ns,
         .thread_count = frame->thread_count,

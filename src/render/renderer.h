@@ -48,7 +48,7 @@ struct rb_run_options {
     bool hash_hits;                     // costs time
     const struct rb_observer *observer; // may be NULL; its time is not the frame's
     // Not NULL: instead of tiles run one kernel on recorded batches, which the renderer has checked
-    // (replay.h), in one thread. Pixels and image hash then mean nothing.
+    // (replay.h), which the threads of the row share. Pixels and image hash then mean nothing.
     const struct rb_replay *replay;
     // Not NULL: the twins of the row's kernels run, and what they count is added here. Times are
     // meaningless then. The row must have twins (rb_variant.counted).
