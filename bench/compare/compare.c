@@ -230,7 +230,7 @@ static enum rb_status compare(const struct rb_arguments *arguments,
     struct rb_compare_options chosen = {arguments->bench.scenes, arguments->bench.kernels,
                                         arguments->bench.level > 0 ? arguments->bench.level
                                                                    : default_level,
-                                        arguments->bench.bounces, false};
+                                        arguments->bench.bounces, false, 0};
     chosen.paired = runs[0] == runs[1] ||
                     (runs[0]->session[0] && strcmp(runs[0]->session, runs[1]->session) == 0);
     enum rb_status status = RB_OK;
