@@ -4,7 +4,6 @@
 #include "bench/gate/gate.h"
 
 #include "base/file.h"
-#include "bench/data/names.h"
 #include "bench/gate/moved.h"
 #include "bench/run/bench.h"
 #include "bench/run/process.h"
@@ -76,9 +75,9 @@ static struct gate {
     struct rb_waivers waivers;
     struct rb_csv files[PLANS_MAX][2]; // rows of the report point there
     int plan_index;
-    char plan_name[RB_NAME_MAX];
+    char path[RB_PATH_MAX]; // of the plan's baseline
     size_t left_out, stale;
-    enum rb_status status; // of the plans so far
+    enum rb_status status; // so far
     struct rb_error error;
 } gate;
 
@@ -120,12 +119,17 @@ static enum rb_status simulate_other(const struct rb_run *run, struct rb_error *
     return status;
 }
 
-static enum rb_status compare(const struct rb_run *run, const char *baseline,
-                              struct rb_error *error)
+// Is what the plan simulates held against another program?
+static bool has_other(unsigned measure)
+{
+    return measure == RB_MEASURE_SIMULATE && gate.arguments->bench.against;
+}
+
+static enum rb_status compare(const struct rb_run *run, struct rb_error *error)
 {
     char path[RB_PATH_MAX + 32];
     struct rb_csv *base = &gate.files[gate.plan_index][0], *head = base + 1;
-    bool other = run->measure == RB_MEASURE_SIMULATE && gate.arguments->bench.against;
+    bool other = has_other(run->measure);
     size_t better = gate.report.counts[RB_MOVED_BETTER];
     snprintf(path, sizeof path, "%s/figures.csv", run->sides[0].folder);
     enum rb_status status = rb_figures_write(path, run, error);
@@ -136,9 +140,9 @@ static enum rb_status compare(const struct rb_run *run, const char *baseline,
         snprintf(path, sizeof path, "%s/figures.against.csv", run->sides[0].folder);
         if (!status)
             status = rb_figures_write(path, run, error);
+        if (!status)
+            status = rb_figures_load(path, base, error);
     }
-    if (!status)
-        status = rb_figures_load(other ? path : baseline, base, error);
     if (!status)
         status = rb_figures_compare(base, head, &gate.waivers, &gate.report, &gate.left_out, error);
     if (!other)
@@ -148,66 +152,63 @@ static enum rb_status compare(const struct rb_run *run, const char *baseline,
 
 static int judge_plan(const struct rb_run *run, bool partial)
 {
-    char path[RB_PATH_MAX];
-    snprintf(path, sizeof path, "%.400s/%s.csv", gate.baseline, gate.plan_name);
     if (partial)
         gate.status = rb_error_set(&gate.error, RB_INVALID, "interrupted");
     else if (gate.arguments->bench.update)
-        gate.status = update(run, path, &gate.error);
+        gate.status = update(run, gate.path, &gate.error);
     else
-        gate.status = compare(run, path, &gate.error);
+        gate.status = compare(run, &gate.error);
     return gate.status;
 }
 
-// Does the plan simulate, and can this machine? What it lacks goes to the error.
-static enum rb_status check_simulator(const char *name, struct rb_error *error)
+// What the plan measures, as bits of rb_measure; only whether it simulates and counts is of
+// interest.
+static enum rb_status read_plan(const char *name, unsigned *measure, struct rb_error *error)
 {
     static struct rb_plan plan;
+    char path[RB_PLAN_PATH_MAX];
     const struct rb_arguments given = {.positional = {name}, .positional_count = 1};
+    if (!rb_plan_find(name, path))
+        return rb_error_set(error, RB_INVALID, "there is no plan '%.100s'; see bench/plans", name);
+    const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+    snprintf(gate.path, sizeof gate.path, "%.400s/%.*s.csv", gate.baseline,
+             (int)(strlen(file) - strlen(".plan")), file);
     enum rb_status status = rb_plan_compose(&given, "", &plan, error);
     if (!status)
         status = rb_plan_parse(&rb_command_bench, &plan, error);
-    const char *measure = plan.arguments.bench.measure;
-    if (!status && measure && strstr(measure, "simulate"))
-        status = rb_simulate_check(error) ? RB_FAILED : RB_OK;
+    const char *list = plan.arguments.bench.measure ? plan.arguments.bench.measure : "";
+    *measure = strstr(list, "simulate") ? RB_MEASURE_SIMULATE : 0;
+    *measure |= strstr(list, "count") ? RB_MEASURE_COUNT : 0;
     rb_plan_free(&plan);
     return status;
 }
 
-static enum rb_status name_plan(const char *name, struct rb_error *error)
-{
-    char path[RB_PLAN_PATH_MAX];
-    if (!rb_plan_find(name, path))
-        return rb_error_set(error, RB_INVALID, "there is no plan '%.100s'; see bench/plans", name);
-    const char *base = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    snprintf(gate.plan_name, sizeof gate.plan_name, "%.*s", (int)(strlen(base) - strlen(".plan")),
-             base);
-    return RB_OK;
-}
-
-// Runs one plan; gate.status and gate.error say how that went.
-static void run_plan(const char *name)
+// Runs one plan; what it is held against is read before the work.
+static enum rb_status run_plan(const char *name, struct rb_error *error)
 {
     static const struct rb_session_kind kind = {.defaults = "", .print = judge_plan};
+    const struct rb_bench_arguments *given = &gate.arguments->bench;
     const struct rb_arguments session = {.positional = {name},
                                          .positional_count = 1,
                                          .output = gate.arguments->output,
                                          .quiet = gate.arguments->quiet,
                                          .command_line = gate.arguments->command_line};
+    unsigned measure = 0;
     struct rb_error lacks = {0};
-    gate.status = name_plan(name, &gate.error);
-    if (gate.status)
-        return;
-    gate.status = check_simulator(name, &lacks);
-    if (gate.status == RB_FAILED && !gate.arguments->bench.update) {
+    enum rb_status status = read_plan(name, &measure, error);
+    if (!status && !given->update && !has_other(measure))
+        status = rb_figures_load(gate.path, &gate.files[gate.plan_index][0], error);
+    if (status)
+        return status;
+    if (measure & RB_MEASURE_SIMULATE && !given->update && rb_simulate_check(&lacks)) {
         rb_gate_report_note(&gate.report, "not compared: %s: %.300s", name, lacks.text);
         gate.left_out++;
-        gate.status = RB_OK;
-    } else if (gate.status) {
-        gate.error = lacks;
-    } else if (rb_session_run(&kind, &session) && !gate.status) {
-        gate.status = rb_error_set(&gate.error, RB_INVALID, "%s could not be measured", name);
+        return RB_OK;
     }
+    gate.status = RB_OK;
+    if (rb_session_run(&kind, &session) && !gate.status)
+        return rb_error_set(error, RB_INVALID, "%s could not be measured", name);
+    return gate.status;
 }
 
 static const char *plural(size_t count)
@@ -280,7 +281,7 @@ static int run(const struct rb_arguments *arguments)
         gate.status = rb_waivers_load(gate.baseline, &gate.waivers, &gate.report, &gate.error);
     for (int i = 0; i < count && !gate.status; i++) {
         gate.plan_index = i;
-        run_plan(plans[i]);
+        gate.status = run_plan(plans[i], &gate.error);
     }
     return finish();
 }
