@@ -170,6 +170,8 @@ enum rb_status rb_figures_write(const char *path, const struct rb_run *run, stru
         status = rb_output_commit(&output, error);
     }
     free(lines);
+    if (!status)
+        *error = (struct rb_error){0};
     return status;
 }
 
@@ -177,6 +179,8 @@ static bool is_whole(const char *text, size_t size, const struct rb_csv *figures
 {
     char end[END_MAX];
     size_t last = figures->rows[figures->row_count].offset;
+    if (last > size)
+        return false; // it has changed while it was read
     make_end(text, last, end);
     return size == last + strlen(end) && memcmp(text + last, end, strlen(end)) == 0;
 }
@@ -202,8 +206,6 @@ enum rb_status rb_figures_load(const char *path, struct rb_csv *figures, struct 
     if (status)
         return RB_INVALID; // whatever the reason: there is nothing to go by
     status = rb_csv_load(path, figures, error);
-    if (!status)
-        error->line = error->column = 0;
     if (!status && (figures->row_count == 0 || !has_columns(figures)))
         status = rb_error_set(error, RB_INVALID,
                               "not the figures of this version of raybench; renew a baseline with "
@@ -213,9 +215,11 @@ enum rb_status rb_figures_load(const char *path, struct rb_csv *figures, struct 
                               "cut short or edited: its last line does not fit the others; renew "
                               "a baseline with make baseline");
     rb_free(text);
-    if (status)
+    if (status) {
         rb_csv_free(figures);
-    else
-        figures->row_count--; // without the end
-    return status;
+        return status;
+    }
+    figures->row_count--; // without the end
+    *error = (struct rb_error){0};
+    return RB_OK;
 }

@@ -71,6 +71,7 @@ static struct regress {
     struct rb_waivers waivers;
     struct rb_floor floor;
     struct rb_pairs first, second;
+    size_t suspects; // rows that seem worse after the first set
 } regress;
 
 // The fewest A/A comparisons that any row's floor comes from.
@@ -137,12 +138,10 @@ static void for_each_row(const struct rb_pairs *set, row_fn *call)
         }
 }
 
-static size_t suspects;
-
 static void count_suspect(size_t cell, size_t index, const struct rb_gate_row *row)
 {
     (void)cell, (void)index;
-    suspects += row->moved == RB_MOVED_WORSE;
+    regress.suspects += row->moved == RB_MOVED_WORSE;
 }
 
 // Both sets measure the same cells, so their rows stand alike. What was confirmed is told with the
@@ -191,9 +190,10 @@ static enum rb_status decide(struct rb_error *error)
     if (status)
         return status;
     for_each_row(&regress.first, count_suspect);
-    if (suspects)
+    if (regress.suspects)
         status = rb_pairs_measure(regress.arguments, against, &regress.second, error);
-    if (!status && suspects && regress.second.median.row_count != regress.first.median.row_count)
+    if (!status && regress.suspects &&
+        regress.second.median.row_count != regress.first.median.row_count)
         status = rb_error_set(error, RB_INVALID, "the second set has other rows than the first");
     if (status)
         return status;

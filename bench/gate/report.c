@@ -162,8 +162,9 @@ static void put_markdown(const struct rb_gate_report *report, FILE *out)
     put_report(&markdown, report, out);
 }
 
-static enum rb_status put_file(const struct rb_gate_report *report, const char *path,
-                               void put(const struct rb_gate_report *, FILE *),
+typedef void put_fn(const struct rb_gate_report *report, FILE *out);
+
+static enum rb_status put_file(const struct rb_gate_report *report, const char *path, put_fn *put,
                                struct rb_error *error)
 {
     static struct rb_output output;

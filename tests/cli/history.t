@@ -5,8 +5,8 @@
 file=$tmp/history.ndjson
 history() { code=$1; shift; exits "$code" history --file "$file" "$@"; }
 
-check 'a run' exits 0 bench balls_low --size 16x16 --variants bvh --processes 2 --budget 0.2s --quiet \
-    --out "$tmp/results"
+check 'a run' exits 0 bench balls_low --size 16x16 --variants bvh --processes 2 --budget 0.2s \
+    --quiet --out "$tmp/results"
 folder=$tmp/results/$(readlink "$tmp/results/latest")
 check 'without a history there is nothing to show' history 2
 check 'a run is added' history 0 "$folder"
