@@ -49,13 +49,28 @@ static void put_cell(FILE *out, const struct rb_cell *cell)
             s->light_samples, s->tile, cell->variant->name, s->threads);
 }
 
-// Compilers and flags decide what is simulated, and the geometry does.
+// Appends those of the flags that decide what code there is: -O, -f, -m, -std and definitions, but
+// not those of the Makefile, which say what libraries were found.
+static void put_flags(char *text, size_t size)
+{
+    size_t used = strlen(text);
+    for (const char *word = rb_env_flags; *word; word += strspn(word, " ")) {
+        size_t length = strcspn(word, " ");
+        bool counts = word[0] == '-' && length > 1 && strchr("OfmsD", word[1]);
+        if (counts && strncmp(word, "-DRB_", 5) != 0 && used + length + 1 < size)
+            used += (size_t)snprintf(text + used, size - used, " %.*s", (int)length, word);
+        word += length;
+    }
+}
+
+// Compiler and flags decide what is simulated, and so do the caches.
 static void put_maker(FILE *out, const struct rb_cell *cell)
 {
     char simulated[RB_SIMULATED_TEXT], text[1024] = "";
     if (cell->simulated) {
         rb_simulated_describe(cell->simulated, simulated);
-        snprintf(text, sizeof text, "%s; %s; %s", rb_env_compiler, rb_env_flags, simulated);
+        snprintf(text, sizeof text, "%s; %s;", rb_env_compiler, simulated);
+        put_flags(text, sizeof text);
     }
     rb_csv_put_text(out, text);
 }

@@ -57,8 +57,12 @@ void rb_gate_report_worst(const struct rb_gate_report *report, char text[RB_GATE
     if (!worst)
         return;
     rb_gate_row_place(worst, place);
-    snprintf(text, RB_GATE_TEXT_MAX, "%.400s: %.32s %+.2f %%", place, worst->figure,
-             100 * (worst->ratio - 1));
+    if (isinf(worst->ratio))
+        snprintf(text, RB_GATE_TEXT_MAX, "%.400s: %.32s from 0 to %.10g", place, worst->figure,
+                 worst->head);
+    else
+        snprintf(text, RB_GATE_TEXT_MAX, "%.400s: %.32s %+.2f %%", place, worst->figure,
+                 100 * (worst->ratio - 1));
 }
 
 // How a report is laid out: as a terminal or as Markdown has it.
