@@ -86,7 +86,8 @@ PLANS    := $(sort $(wildcard bench/plans/*.plan))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench explain table simulate versus selftest overhead test unit exact check fuzz setup install clean help force
+.PHONY: all bench explain table simulate versus selftest overhead gate baseline regress selftest-gate \
+  test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -119,6 +120,25 @@ selftest: all
 ## overhead: what probes cost, against a build without them; three minutes
 overhead: all
 	@RAYBENCH=$(B)/raybench scripts/overhead
+
+## gate: has the work of any kernel grown? exact, a minute (BASE=REV: simulate that commit, too)
+base = base=$$(scripts/base $(BASE)) || exit 2;
+gate: all
+	@$(if $(BASE),$(base)) $(B)/raybench gate $(if $(BASE),--against "$$base") $(GATE)
+
+## baseline: write results/baseline anew, for `make gate`; commit what it changes
+baseline: all
+	@$(B)/raybench gate --update
+
+## regress: is any kernel slower than in BASE=REV? inconclusive passes, but with STRICT=1
+regress: all
+	@$(if $(BASE),$(base),echo 'make regress needs BASE=REV' >&2; exit 2;) \
+	  $(B)/raybench regress --against "$$base" $(if $(STRICT),--strict) $(REGRESS) || \
+	  { code=$$?; $(if $(STRICT),,[ $$code = 3 ] ||) exit $$code; }
+
+## selftest-gate: can the gate be trusted? an hour; tests/cli/gate.t is its short form
+selftest-gate: all
+	@RAYBENCH=$(B)/raybench scripts/selftest-gate
 
 ## test: build and run every test (TAP, through perl's prove)
 test: all unit $(FUZZ_REPLAY)
@@ -163,7 +183,7 @@ clean:
 ## help: this list
 help:
 	@echo 'usage: make [target] [CC=clang] [OPT=-O3] [CONFIG=name] [SANITIZE=address,undefined]'
-	@sed -n 's/^## \([a-z]*\): /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
+	@sed -n 's/^## \([a-z-]*\): /\1\t/p' $(MAKEFILE_LIST) | expand -t 15
 
 build/raybench: $(B)/raybench
 	@ln -sf release/raybench $@

@@ -227,10 +227,13 @@ static enum rb_status compare(const struct rb_arguments *arguments,
 {
     char variants[2][RB_NAME_MAX];
     struct rb_compare_side sides[2] = {{&runs[0]->samples, NULL}, {&runs[1]->samples, NULL}};
-    struct rb_compare_options chosen = {arguments->bench.scenes, arguments->bench.kernels,
+    struct rb_compare_options chosen = {arguments->bench.scenes,
+                                        arguments->bench.kernels,
                                         arguments->bench.level > 0 ? arguments->bench.level
                                                                    : default_level,
-                                        arguments->bench.bounces, false};
+                                        arguments->bench.bounces,
+                                        false,
+                                        0};
     chosen.paired = runs[0] == runs[1] ||
                     (runs[0]->session[0] && strcmp(runs[0]->session, runs[1]->session) == 0);
     enum rb_status status = RB_OK;

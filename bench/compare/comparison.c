@@ -72,12 +72,15 @@ static enum rb_verdict judge(const struct rb_median *ratio)
 
 // The times of a row go to `work`; returns whether both sides have any.
 static bool row_times(const struct rb_compare_side sides[2], const struct rb_compare_cell *cell,
-                      bool paired, const struct rb_compare_row *row, struct rb_process_times *work)
+                      const struct rb_compare_options *options, const struct rb_compare_row *row,
+                      struct rb_process_times *work)
 {
+    double quantile = options->quantile > 0 ? options->quantile : RB_TIME_QUANTILE;
     const struct rb_timings *a = sides[0].samples, *b = sides[1].samples;
     size_t a_cell = (size_t)(cell->a - a->cells), b_cell = (size_t)(cell->b - b->cells);
     rb_process_times_fill(work, rb_timings_find(a, a_cell, row->kernel, row->bounce),
-                          rb_timings_find(b, b_cell, row->kernel, row->bounce), paired);
+                          rb_timings_find(b, b_cell, row->kernel, row->bounce), quantile,
+                          options->paired);
     return work->counts[0] && work->counts[1];
 }
 
@@ -111,8 +114,7 @@ static bool list_rows(const struct rb_compare_side sides[2],
         bool bounces = options->bounces && rb_timed_kernels[kernel].has_bounces;
         for (int bounce = RB_ALL_BOUNCES; bounce < (bounces ? RB_DEPTH_MAX : 0); bounce++) {
             struct rb_compare_row row = {.kernel = kernel, .bounce = bounce};
-            if (wants_kernel(options, kernel) &&
-                row_times(sides, cell, options->paired, &row, work))
+            if (wants_kernel(options, kernel) && row_times(sides, cell, options, &row, work))
                 pushed &= rb_array_push(rows, &row, sizeof row);
         }
     }
@@ -149,7 +151,7 @@ static enum rb_status make_rows(const struct rb_compare_side sides[2],
         const struct rb_compare_cell *cell = &comparison->cells[i];
         for (size_t r = 0; enough && r < cell->row_count; r++) {
             struct rb_compare_row *row = &comparison->rows[cell->first_row + r];
-            row_times(sides, cell, options->paired, row, &work);
+            row_times(sides, cell, options, row, &work);
             estimate(&work, options->paired, rb_comparison_family(comparison, row)->level, row);
             enough = !isnan(row->ratio.value);
         }

@@ -10,11 +10,14 @@ struct rb_compare_side {
     const char *variant; // the only one that counts; NULL if all do
 };
 
+#define RB_TIME_QUANTILE 0.1
+
 struct rb_compare_options {
     const char *scenes, *kernels; // lists (bench/data/names.h); NULL: all scenes, the usual kernels
     double level;                 // that all intervals of a family hold with
     bool bounces;                 // rows for each bounce, a family of their own
     bool paired;                  // process p of A ran beside process p of B
+    double quantile;              // of the repetitions, the time of a process; 0: RB_TIME_QUANTILE
 };
 
 enum rb_verdict {

@@ -3,8 +3,6 @@
 #include "base/memory.h"
 #include "bench/data/stats.h"
 
-static const double time_quantile = 0.1;
-
 // Samples of one process, in the order of its repetitions.
 struct rb_process {
     uint64_t id;
@@ -48,16 +46,17 @@ static size_t split(struct rb_timing_range range, struct rb_process *processes)
     return count;
 }
 
-static double process_time(const struct rb_process *process, size_t repetitions, double *scratch)
+static double process_time(const struct rb_process *process, size_t repetitions, double quantile,
+                           double *scratch)
 {
     size_t count = process->count < repetitions ? process->count : repetitions;
     for (size_t i = 0; i < count; i++)
         scratch[i] = process->first[i].ns;
-    return rb_stats_quantile_lower(scratch, count, time_quantile);
+    return rb_stats_quantile_lower(scratch, count, quantile);
 }
 
 // Processes of one number.
-static void fill_paired(struct rb_process_times *work, const size_t counts[2])
+static void fill_paired(struct rb_process_times *work, const size_t counts[2], double quantile)
 {
     const struct rb_process *a = work->processes[0], *b = work->processes[1];
     size_t pairs = 0;
@@ -65,8 +64,8 @@ static void fill_paired(struct rb_process_times *work, const size_t counts[2])
         bool step_a = a[i].id <= b[j].id, step_b = b[j].id <= a[i].id;
         if (step_a && step_b) {
             size_t common = a[i].count < b[j].count ? a[i].count : b[j].count;
-            work->times[0][pairs] = process_time(&a[i], common, work->scratch);
-            work->times[1][pairs] = process_time(&b[j], common, work->scratch);
+            work->times[0][pairs] = process_time(&a[i], common, quantile, work->scratch);
+            work->times[1][pairs] = process_time(&b[j], common, quantile, work->scratch);
             pairs += work->times[0][pairs] > 0 && work->times[1][pairs] > 0;
         }
         i += step_a;
@@ -83,7 +82,7 @@ static size_t usual_repetitions(const struct rb_process *processes, size_t count
     return count ? (size_t)rb_stats_quantile_lower(scratch, count, 0.5) : 0;
 }
 
-static void fill_independent(struct rb_process_times *work, const size_t counts[2])
+static void fill_independent(struct rb_process_times *work, const size_t counts[2], double quantile)
 {
     size_t common = SIZE_MAX;
     for (int s = 0; s < 2; s++) {
@@ -93,7 +92,8 @@ static void fill_independent(struct rb_process_times *work, const size_t counts[
     for (int s = 0; s < 2; s++) {
         size_t used = 0;
         for (size_t i = 0; i < counts[s]; i++) {
-            work->times[s][used] = process_time(&work->processes[s][i], common, work->scratch);
+            work->times[s][used] =
+                process_time(&work->processes[s][i], common, quantile, work->scratch);
             used += work->times[s][used] > 0;
         }
         work->counts[s] = used;
@@ -101,11 +101,11 @@ static void fill_independent(struct rb_process_times *work, const size_t counts[
 }
 
 void rb_process_times_fill(struct rb_process_times *work, struct rb_timing_range a,
-                           struct rb_timing_range b, bool paired)
+                           struct rb_timing_range b, double quantile, bool paired)
 {
     const size_t counts[2] = {split(a, work->processes[0]), split(b, work->processes[1])};
     if (paired)
-        fill_paired(work, counts);
+        fill_paired(work, counts, quantile);
     else
-        fill_independent(work, counts);
+        fill_independent(work, counts, quantile);
 }

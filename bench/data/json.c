@@ -21,7 +21,10 @@ static void begin_line(struct rb_json *json)
 {
     if (json->depth == 0)
         return;
-    fprintf(json->out, "%s\n%*s", json->begun ? "," : "", 2 * json->depth, "");
+    if (json->line)
+        fputs(json->begun ? ", " : "", json->out);
+    else
+        fprintf(json->out, "%s\n%*s", json->begun ? "," : "", 2 * json->depth, "");
 }
 
 static void begin_member(struct rb_json *json, const char *key)
@@ -45,7 +48,7 @@ static void begin_group(struct rb_json *json, const char *key, char bracket)
 static void end_group(struct rb_json *json, char bracket)
 {
     json->depth--;
-    if (json->begun)
+    if (json->begun && !json->line)
         fprintf(json->out, "\n%*s", 2 * json->depth, "");
     fputc(bracket, json->out);
     json->begun = true;

@@ -11,6 +11,7 @@ struct rb_json {
     FILE *out;
     int depth;
     bool begun; // something was written at this depth
+    bool line;  // all of it on one line, as NDJSON has it
 };
 
 // All take the key of the member; NULL inside of an array and at the outermost level.

@@ -23,7 +23,8 @@ const struct rb_command rb_command_bench = {
     .text = RB_HELP_SCENE
     " Default: the six scenes of the 2019\n"
     "report. PLAN is a file of lines `option = value`, named with its .plan, or one of those that\n"
-    "come with the program: smoke, table, ladder, scaling, tiles, depth, soft, scaling-sim.\n\n"
+    "come with the program: smoke, table, ladder, scaling, tiles, depth, soft, scaling-sim,\n"
+    "gate, gate-sim, regress.\n\n"
     "  raybench bench balls_high\n"
     "  raybench bench --scenes 'mount_*' --variants 'packet-*' --budget 2m\n"
     "  raybench bench scaling --dry-run\n"

@@ -8,26 +8,22 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATH_MAX_LENGTH = 1024 };
-
-// Finds plan NAME: a path that ends in .plan, or one of those that come with the program, in the
-// checkout we stand in, the one the program was built in, or where it was installed.
-static bool find_plan(const char *name, char path[PATH_MAX_LENGTH])
+bool rb_plan_find(const char *name, char path[RB_PLAN_PATH_MAX])
 {
     static const char *const folders[] = {"bench/plans", "%s/../../bench/plans",
                                           "%s/../share/raybench/plans"};
     size_t length = strlen(name);
-    char program[PATH_MAX_LENGTH / 2] = "";
+    char program[RB_PLAN_PATH_MAX / 2] = "";
     if (length > 5 && strcmp(name + length - 5, ".plan") == 0) {
-        snprintf(path, PATH_MAX_LENGTH, "%s", name);
+        snprintf(path, RB_PLAN_PATH_MAX, "%s", name);
         return true;
     }
     if (readlink("/proc/self/exe", program, sizeof program - 1) > 0 && strrchr(program, '/'))
         *strrchr(program, '/') = '\0';
     for (size_t i = 0; i < sizeof folders / sizeof *folders && !strchr(name, '/'); i++) {
-        char folder[PATH_MAX_LENGTH - 256];
+        char folder[RB_PLAN_PATH_MAX - 256];
         snprintf(folder, sizeof folder, i ? folders[i] : "%.0sbench/plans", program);
-        snprintf(path, PATH_MAX_LENGTH, "%s/%.200s.plan", folder, name);
+        snprintf(path, RB_PLAN_PATH_MAX, "%s/%.200s.plan", folder, name);
         if (access(path, R_OK) == 0)
             return true;
     }
@@ -84,9 +80,9 @@ static enum rb_status put_lines(const struct rb_arguments *given, bool plan_name
 enum rb_status rb_plan_compose(const struct rb_arguments *given, const char *defaults,
                                struct rb_plan *plan, struct rb_error *error)
 {
-    char path[PATH_MAX_LENGTH] = "";
+    char path[RB_PLAN_PATH_MAX] = "";
     size_t length;
-    bool plan_named = given->positional_count == 1 && find_plan(given->positional[0], path);
+    bool plan_named = given->positional_count == 1 && rb_plan_find(given->positional[0], path);
     FILE *text = open_memstream(&plan->text, &length);
     if (!text)
         return rb_error_memory(error, "the plan");
@@ -156,4 +152,5 @@ void rb_plan_free(struct rb_plan *plan)
     rb_free(plan->references);
     free(plan->text);
     free(plan->words);
+    *plan = (struct rb_plan){0};
 }

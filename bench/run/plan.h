@@ -20,6 +20,11 @@ struct rb_plan {
     int cell_count;
 };
 
+// Finds plan NAME: a path that ends in .plan, or one of those that come with the program, in the
+// checkout we stand in, the one the program was built in, or where it was installed.
+enum { RB_PLAN_PATH_MAX = 1024 };
+bool rb_plan_find(const char *name, char path[RB_PLAN_PATH_MAX]);
+
 // Makes the text of a plan from what the user said: the plan file if one was named, else what is
 // `defaults`, then the lines of the command line.
 enum rb_status rb_plan_compose(const struct rb_arguments *given, const char *defaults,
@@ -33,6 +38,7 @@ enum rb_status rb_plan_parse(const struct rb_command *command, struct rb_plan *p
 // Returns the exit code, having reported errors.
 int rb_plan_expand(struct rb_plan *plan);
 
+// Empties it.
 void rb_plan_free(struct rb_plan *plan);
 
 #endif

@@ -11,12 +11,13 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 // The least number of processes with a 95 % interval of their median (order statistics); and pairs
 // enough for verdicts that hold for dozens of rows at once with 99 %.
-enum { PROCESSES_DEFAULT = 6, PAIRS_DEFAULT = 16, CPUS_MAX = 1024 };
+enum { PROCESSES_DEFAULT = 6, PAIRS_DEFAULT = 16, CPUS_MAX = 1024, PADDING_MAX = 4096 };
 
 // A unit is a cell, or with two programs the cell of each.
 static struct rb_cell *cell_of(const struct rb_run *run, int unit, int side)
@@ -112,6 +113,20 @@ static int choose_cpu(const struct rb_cell *cell)
     return cpus[cell->process_count % (uint32_t)count];
 }
 
+// Each process has an environment of another size, and with it a stack that begins elsewhere: where
+// things happen to lie can move times by more than a change does, and would move all processes of a
+// program alike (Mytkowicz, Diwan, Hauswirth, Sweeney 2009, "Producing wrong data without doing
+// anything obviously wrong!").
+static void pad_environment(const struct rb_run *run, const struct rb_cell *cell)
+{
+    char padding[PADDING_MAX];
+    uint64_t word = rb_hash_word((uint64_t)run->started, (uint64_t)(cell - run->plan->cells));
+    size_t length = (size_t)(rb_hash_word(word, cell->process_count) % PADDING_MAX);
+    memset(padding, 'x', length);
+    padding[length] = '\0';
+    setenv("ENVIRONMENT_PADDING", padding, 1);
+}
+
 static void tell_failure(struct rb_run *run, struct rb_cell *cell, struct rb_error *error)
 {
     struct rb_error told = *error;
@@ -153,6 +168,7 @@ static enum rb_status run_process(struct rb_run *run, struct rb_cell *cell, doub
                        (unsigned long long)cell->reference->image_hash,
                        (unsigned long long)cell->reference->hits_hash);
     rb_reference_scene_word(cell->reference, &words);
+    pad_environment(run, cell);
     uint64_t start_ns = rb_clock_ns();
     struct rb_error problem = {0};
     enum rb_status status = rb_process_run(&words, rb_variant_parallel(cell->variant),

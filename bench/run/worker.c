@@ -160,6 +160,17 @@ static enum rb_status run_frames(struct worker *worker, struct rb_error *error)
     return rb_repeater_run(&worker->repeater, error);
 }
 
+// The stage that a test wants slower counts as much more.
+static void slow_counts(struct worker *worker)
+{
+    const struct rb_run_options *how = &worker->repeater.how;
+    for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
+        for (int i = 0; i < RB_COUNTER_COUNT; i++) {
+            uint64_t *count = &worker->counts.at[how->slow_stage][bounce].of[i];
+            *count += (uint64_t)((double)*count * how->slow_share);
+        }
+}
+
 static bool parse_slow(const char *text, struct rb_run_options *how)
 {
     char name[32];
@@ -217,6 +228,7 @@ static int run(const struct rb_arguments *arguments)
     else
         status = arguments->bench.group_tiles ? run_group(&worker, &scene, &error)
                                               : run_frames(&worker, &error);
+    slow_counts(&worker);
     if (arguments->bench.count && !error.text[0])
         rb_repeater_write(&worker.counts, sizeof worker.counts, &error);
     rb_free(worker.tiles.order);

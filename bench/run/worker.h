@@ -7,7 +7,8 @@
 
 #include "cli/options.h"
 
-// For tests: RB_SLOW_VARIABLE=trace:20 makes trace take 20 % longer in every worker.
+// For tests: RB_SLOW_VARIABLE=trace:20 makes trace take 20 % longer, and count 20 % more, in every
+// worker.
 #define RB_SLOW_VARIABLE "RAYBENCH_TEST_SLOW"
 
 extern const struct rb_command rb_command_worker;

@@ -5,6 +5,9 @@
 #include "bench/explain/explain.h"
 #include "bench/explain/simulate_command.h"
 #include "bench/export/export.h"
+#include "bench/gate/gate.h"
+#include "bench/gate/regress.h"
+#include "bench/history/history.h"
 #include "bench/machine/doctor.h"
 #include "bench/replay/record.h"
 #include "bench/replay/replay.h"
@@ -32,6 +35,9 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_count,
     &rb_command_explain,
     &rb_command_compare,
+    &rb_command_gate,
+    &rb_command_regress,
+    &rb_command_history,
     &rb_command_export,
     &rb_command_table,
     &rb_command_record,

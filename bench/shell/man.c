@@ -156,7 +156,12 @@ static const struct item exit_codes[] = {
     {"0", "Fine."},
     {"1", "The machine let us down: memory, disk, permissions."},
     {"2", "Bad usage or input; or a variant does not render what the reference does."},
-    {"3", "raybench compare --gate found something slower than the threshold."},
+    {"3",
+     "raybench compare --gate found something slower than the threshold; raybench regress could "
+     "not decide."},
+    {"4",
+     "raybench gate or regress: this machine is not fit for what is asked. Of these two, 1 means "
+     "that something got worse, and 2 that there is no verdict for any reason."},
     {NULL, NULL},
 };
 
@@ -178,6 +183,10 @@ static const struct item files[] = {
     {"results/latest",
      "The newest folder of results: kernels.csv (time per ray, by kernel and bounce), frame.csv, "
      "samples.csv, env.json, result.json. results/README.md of the sources explains them."},
+    {"results/baseline/*.csv",
+     "What raybench gate compares with, by plan; waivers.csv has what may grow, and until when."},
+    {"results/floor.csv, results/history.ndjson",
+     "The noise of this host, as raybench regress has learned it; the runs of raybench history."},
     {"report/table1.md, report/table1.csv", "The render times, as raybench table measured them."},
     {"bench/plans/*.plan, ../share/raybench/plans/*.plan",
      "Plans, in the sources and beside the installed program: what raybench bench measures by "

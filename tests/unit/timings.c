@@ -136,16 +136,16 @@ static void times_of_processes(void)
     rb_process_times_make(&times, a.count, b.count);
     struct rb_timing_range ra = rb_timings_find(&a, 0, 0, -1), rb = rb_timings_find(&b, 0, 0, -1);
     // A's first four of twenty are 119 to 116, B's 103 to 100.
-    rb_process_times_fill(&times, ra, rb, true);
+    rb_process_times_fill(&times, ra, rb, RB_TIME_QUANTILE, true);
     ok(times.counts[0] == 3 && times.counts[1] == 3 && times.times[0][2] == 136 &&
            times.times[1][2] == 120,
        "pairs of as many repetitions");
-    rb_process_times_fill(&times, ra, rb, false);
+    rb_process_times_fill(&times, ra, rb, RB_TIME_QUANTILE, false);
     ok(times.counts[0] == 3 && times.counts[1] == 5 && times.times[0][0] == 116 &&
            times.times[1][4] == 140,
        "all processes, of as many repetitions");
     // Of twenty the second fastest: 101, 111, 121.
-    rb_process_times_fill(&times, ra, ra, false);
+    rb_process_times_fill(&times, ra, ra, RB_TIME_QUANTILE, false);
     ok(times.counts[0] == 3 && times.times[0][1] == 111, "the tenth percentile");
     rb_process_times_free(&times);
     rb_timings_free(&a);
