@@ -30,8 +30,27 @@ void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, ui
     rb_probe_lap(&worker->recorder, stage, bounce, rays);
     if (frame->how.simulate_from)
         rb_simulate_lap(stage, bounce, rays);
+    if (frame->how.events) {
+        rb_events_lap(&worker->counter, stage, bounce);
+        rb_probe_start(&worker->recorder); // reading them is no part of a frame
+    }
     if (frame->how.counts)
         rb_counts_take(&worker->counts.at[stage][bounce]);
+}
+
+void rb_worker_begin(struct rb_worker *worker)
+{
+    if (worker->frame->how.events)
+        rb_events_open(&worker->counter, worker->frame->how.event_group);
+    rb_probe_start(&worker->recorder);
+}
+
+void rb_worker_end(struct rb_worker *worker)
+{
+    if (worker->frame->how.simulate_from)
+        rb_simulate_stop();
+    if (worker->frame->how.events)
+        rb_events_close(&worker->counter);
 }
 
 static uint64_t hash_hits(const struct rb_rays *rays, const struct rb_hits *hits, uint32_t sample)
@@ -205,7 +224,7 @@ void rb_worker_run(struct rb_worker *worker)
     rb_fpenv_enter(&saved);
     rb_counting.cost = frame->how.heat ? worker->queues.cost : NULL;
     rb_counting.chosen = frame->how.heat_of;
-    rb_probe_start(&worker->recorder);
+    rb_worker_begin(worker);
     for (;;) {
         uint32_t next = atomic_fetch_add(&frame->next_tile, 1);
         if (next >= frame->how.tile_count)
@@ -223,7 +242,6 @@ void rb_worker_run(struct rb_worker *worker)
         rb_worker_lap(worker, RB_STAGE_OTHER, 0, 0);
     }
     rb_counting.cost = NULL;
-    if (frame->how.simulate_from)
-        rb_simulate_stop();
+    rb_worker_end(worker);
     rb_fpenv_leave(&saved);
 }

@@ -234,15 +234,14 @@ void rb_worker_replay(struct rb_worker *worker)
     struct call call = {.replay = worker->frame->how.replay, .flush = drop_shadows};
     fenv_t saved;
     rb_fpenv_enter(&saved);
-    rb_probe_start(&worker->recorder);
+    rb_worker_begin(worker);
     for (uint32_t round = 0; round < call.replay->rounds; round++) {
         if (round && round == worker->frame->how.simulate_from)
             rb_simulate_begin();
         for (call.index = 0; call.index < call.replay->count; call.index++)
             run_call(worker, &call);
     }
-    if (worker->frame->how.simulate_from)
-        rb_simulate_stop();
+    rb_worker_end(worker);
     rb_fpenv_leave(&saved);
 }
 
