@@ -27,8 +27,9 @@ const struct rb_command rb_command_explain = {
     .positional_min = 1,
     .positional_max = 16,
     .groups = (const struct rb_option *const[]){rb_options_cells, rb_options_timing,
-                                                rb_options_simulation, rb_options_keeping,
-                                                rb_options_settings, rb_options_strict, NULL},
+                                                rb_options_simulation, rb_options_hardware,
+                                                rb_options_keeping, rb_options_settings,
+                                                rb_options_strict, NULL},
     .run = run,
 };
 

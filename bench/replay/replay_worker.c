@@ -3,6 +3,7 @@
 
 #include "base/hash.h"
 #include "bench/replay/source.h"
+#include "bench/run/hardware_measure.h"
 #include "bench/run/repeat.h"
 #include "cli/commands.h"
 #include "measure/simulate.h"
@@ -22,6 +23,8 @@ static const struct rb_option options[] = {
     {"--process", "N", RB_OPTION_INT, BENCH(process), 0, 1e6, "round, for the samples"},
     {"--simulate-batches", "N", RB_OPTION_INT, BENCH(simulate_tiles), 0, 1e9,
      "two rounds over so many batches, the second one as laps of a simulator"},
+    {"--events", "NAME|FILE", RB_OPTION_TEXT, BENCH(events), 0, 0,
+     "count events in turn; what was counted follows the sample"},
     {.name = NULL},
 };
 
@@ -127,7 +130,7 @@ static enum rb_status verify(struct rb_repeater *repeater, struct rb_replay_sour
 // The first round says how many make a repetition. Where there is no time for a second one, it is
 // the only repetition.
 static enum rb_status measure(struct rb_repeater *repeater, struct rb_replay_source *source,
-                              bool exact, struct rb_error *error)
+                              bool exact, const char *events, struct rb_error *error)
 {
     struct rb_run_result result;
     size_t count = source->replay.count;
@@ -136,6 +139,11 @@ static enum rb_status measure(struct rb_repeater *repeater, struct rb_replay_sou
     if (status)
         return status;
     rb_repeater_measure(repeater, &result);
+    if (events) {
+        source->replay.rounds = choose_rounds(result.wall_ns);
+        status = rb_repeater_send(repeater, error);
+        return status ? status : rb_hardware_measure(repeater, events, error);
+    }
     if (rb_clock_ns() + result.wall_ns - repeater->start_ns > (uint64_t)(repeater->slice_s * 1e9))
         return rb_repeater_send(repeater, error);
     if (source->replay.count == count) // repetitions of a sample are one round: it can be told
@@ -163,6 +171,7 @@ static enum rb_status simulate(struct rb_repeater *repeater, struct rb_replay_so
 static int run(const struct rb_arguments *arguments)
 {
     static struct rb_repeater repeater;
+    static const struct rb_hardware nothing;
     struct rb_replay_source source;
     struct rb_error error = {0};
     int kernel, ray_class, bounce;
@@ -185,7 +194,10 @@ static int run(const struct rb_arguments *arguments)
         status = simulate(&repeater, &source, (size_t)arguments->bench.simulate_tiles,
                           rb_replay_variant(arguments)->name, &error);
     else
-        status = measure(&repeater, &source, rb_replay_variant(arguments)->exact, &error);
+        status = measure(&repeater, &source, rb_replay_variant(arguments)->exact,
+                         arguments->bench.events, &error);
+    if (repeater.sample.mismatch && arguments->bench.events)
+        rb_repeater_write(&nothing, sizeof nothing, NULL); // a record is sample and events
     rb_replay_source_close(&source);
     return status ? rb_report(status, &error) : 0;
 }

@@ -4,6 +4,7 @@
 #define RB_RUN_CELL_H
 
 #include "bench/data/stats.h"
+#include "bench/hardware/hardware.h"
 #include "bench/run/sample.h"
 #include "bench/simulate/simulated.h"
 #include "render/counted.h"
@@ -51,6 +52,7 @@ struct rb_cell {
     double cost_s;                  // wall time of the last of them
     struct rb_counted *counted;     // NULL: not counted; its own, as the samples
     struct rb_simulated *simulated; // NULL: not simulated; its own, as the samples
+    struct rb_hardware *hardware;   // NULL: not counted by hardware; its own
 };
 
 // A number over the repetitions and processes of a cell. NaN where it cannot be known.

@@ -46,6 +46,13 @@ const struct rb_option rb_options_simulation[] = {
     {.name = NULL},
 };
 
+const struct rb_option rb_options_hardware[] = {
+    {"--events", "NAME|FILE", RB_OPTION_TEXT, BENCH(events), 0, 0,
+     "what to count with --measure hardware: a name of bench/events, or a file that ends in "
+     ".events; default: those of this processor"},
+    {.name = NULL},
+};
+
 const struct rb_option rb_options_keeping[] = {
     {"--out", "DIR", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
      "folder for result folders; default results"},

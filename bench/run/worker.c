@@ -1,6 +1,7 @@
 #define _DEFAULT_SOURCE
 #include "bench/run/worker.h"
 
+#include "bench/run/hardware_measure.h"
 #include "bench/run/repeat.h"
 #include "bench/run/tiles.h"
 #include "cli/commands.h"
@@ -29,6 +30,8 @@ static const struct rb_option options[] = {
      "which tiles: seed of rb_tiles_runs"},
     {"--count", NULL, RB_OPTION_FLAG, BENCH(count), 0, 0,
      "render once with the kernels that count; their counts follow the sample"},
+    {"--events", "NAME|FILE", RB_OPTION_TEXT, BENCH(events), 0, 0,
+     "count events in turn; what was counted follows the sample"},
     {"--quiet", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, quiet), 0, 0, "no warnings"},
     {.name = NULL},
 };
@@ -154,7 +157,8 @@ static enum rb_status run_frames(struct worker *worker, struct rb_error *error)
 {
     if (!verify(worker))
         return RB_INVALID;
-    if (worker->repeater.slice_s == 0) // the verified frame is all that is wanted
+    if (worker->repeater.slice_s == 0 ||
+        worker->arguments->bench.events) // more follows, or nothing
         return rb_repeater_send(&worker->repeater, error);
     rb_repeater_warm_up(&worker->repeater);
     return rb_repeater_run(&worker->repeater, error);
@@ -219,6 +223,8 @@ static int run(const struct rb_arguments *arguments)
                                               : run_frames(&worker, &error);
     if (arguments->bench.count && !error.text[0])
         rb_repeater_write(&worker.counts, sizeof worker.counts, &error);
+    if (arguments->bench.events && !error.text[0])
+        rb_hardware_measure(&worker.repeater, arguments->bench.events, &error);
     rb_free(worker.tiles.order);
     rb_renderer_free(worker.repeater.renderer);
     rb_scene_free(&scene);

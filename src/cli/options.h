@@ -36,6 +36,7 @@ struct rb_bench_arguments {
     const char *heatmap, *picture; // of it
     const char *l1, *ll;           // of a simulation, as the next one
     int simulate_tiles, simulate_sample;
+    const char *events; // to count: a file or its name
 };
 
 // Everything any command can be told. Zero or NULL means not given.

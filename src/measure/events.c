@@ -48,9 +48,11 @@ void rb_event_table_add(struct rb_event_table *to, const struct rb_event_table *
     if (from->state[0] == RB_EVENT_UNTRIED) // of a thread that took no part
         return;
     for (int stage = 0; stage < RB_STAGE_COUNT; stage++)
-        for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
+        for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++) {
+            to->laps[stage][bounce] += from->laps[stage][bounce];
             for (int i = 0; i < RB_EVENTS_MAX; i++)
                 to->count[stage][bounce][i] += from->count[stage][bounce][i];
+        }
     for (int i = 0; i < RB_EVENTS_MAX; i++) {
         to->state[i] = to->state[i] > from->state[i] ? to->state[i] : from->state[i];
         to->empty[i] = to->empty[i] > from->empty[i] ? to->empty[i] : from->empty[i];
@@ -176,6 +178,7 @@ static void calibrate(struct rb_event_counter *counter)
             table->empty[i] = count[i] < table->empty[i] ? count[i] : table->empty[i];
     }
     memset(count, 0, sizeof table->empty);
+    table->laps[RB_STAGE_GENERATE][RB_BOUNCE_MAX - 1] = 0;
 }
 
 void rb_events_open(struct rb_event_counter *counter, const struct rb_event_group *group)
@@ -214,6 +217,7 @@ void rb_events_lap(struct rb_event_counter *counter, enum rb_stage stage, int bo
         give_up(counter, RB_EVENT_UNSCHEDULED);
         return;
     }
+    counter->table.laps[stage][bounce]++;
     for (int i = 0; i < counter->count; i++) {
         count[counter->index[i]] += values[i] - counter->last[i];
         counter->last[i] = values[i];

@@ -53,6 +53,7 @@ enum rb_event_state rb_event_state_of(int problem);
 // Of one thread, or of several together.
 struct rb_event_table {
     uint64_t count[RB_STAGE_COUNT][RB_BOUNCE_MAX][RB_EVENTS_MAX];
+    uint64_t laps[RB_STAGE_COUNT][RB_BOUNCE_MAX];
     enum rb_event_state state[RB_EVENTS_MAX]; // of several threads: the worst
     bool in_user_space;                       // read by rdpmc, in all threads
     // Of one lap with nothing in it, the least of 100, and of several threads the most:

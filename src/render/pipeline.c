@@ -30,7 +30,7 @@ void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, ui
     rb_probe_lap(&worker->recorder, stage, bounce, rays);
     if (frame->how.simulate_from)
         rb_simulate_lap(stage, bounce, rays);
-    if (frame->how.events) {
+    if (frame->how.events && !frame->how.replay) {
         rb_events_lap(&worker->counter, stage, bounce);
         rb_probe_start(&worker->recorder); // reading them is no part of a frame
     }

@@ -241,6 +241,9 @@ void rb_worker_replay(struct rb_worker *worker)
         for (call.index = 0; call.index < call.replay->count; call.index++)
             run_call(worker, &call);
     }
+    // One kernel at one bounce is all there was: reading them once is enough, and costs nothing.
+    if (worker->frame->how.events && call.replay->count)
+        rb_events_lap(&worker->counter, call.replay->kernel, call.replay->batches[0].bounce);
     rb_worker_end(worker);
     rb_fpenv_leave(&saved);
 }
