@@ -2,6 +2,7 @@
 #include "bench/replay/replay_worker.h"
 
 #include "base/hash.h"
+#include "bench/hardware/hardware.h"
 #include "bench/replay/source.h"
 #include "bench/run/hardware_measure.h"
 #include "bench/run/repeat.h"
