@@ -1,5 +1,7 @@
 #include "bench/explain/hardware_table.h"
 
+#include "bench/explain/wrap.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -77,7 +79,7 @@ void rb_hardware_table_print(const struct rb_hardware *hardware)
 {
     static struct notes notes; // too large for the stack
     const struct rb_values *values = &hardware->file->values;
-    char text[RB_HARDWARE_TEXT];
+    char text[RB_HARDWARE_TEXT], line[RB_HARDWARE_TEXT + 16];
     notes.count = 0;
     printf("  %-12s %6s", "kernel", "bounce");
     for (int i = 0; i < values->count; i++)
@@ -91,8 +93,12 @@ void rb_hardware_table_print(const struct rb_hardware *hardware)
         for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++)
             if (hardware->place[stage][bounce].rays[0])
                 print_place(hardware, (enum rb_stage)stage, bounce, &notes);
-    for (int i = 0; i < notes.count; i++)
-        printf("  [%d] %s\n", i + 1, notes.text[i]);
+    for (int i = 0; i < notes.count; i++) {
+        snprintf(line, sizeof line, "[%d] %s", i + 1, notes.text[i]);
+        rb_wrap_print(2, line);
+    }
     rb_hardware_describe(hardware, text);
-    printf("  Per ray. %s.\n  %s\n", text, hardware->file->prose);
+    snprintf(line, sizeof line, "Per ray. %s.", text);
+    rb_wrap_print(2, line);
+    rb_wrap_print(2, hardware->file->prose);
 }

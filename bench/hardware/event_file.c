@@ -42,11 +42,7 @@ static enum rb_status take_verified(void *user, char *text, struct rb_error *err
 static enum rb_status take_prose(void *user, char *text, struct rb_error *error)
 {
     struct rb_event_file *file = user;
-    size_t length = strlen(file->prose);
-    if (length + strlen(text) + 2 > sizeof file->prose)
-        return rb_error_set(error, RB_INVALID, "more than %zu bytes of prose", sizeof file->prose);
-    snprintf(file->prose + length, sizeof file->prose - length, "%s%s", length ? " " : "", text);
-    return RB_OK;
+    return rb_sheet_append(file->prose, sizeof file->prose, text, error);
 }
 
 static enum rb_status take_fallback(void *user, char *text, struct rb_error *error)
@@ -125,11 +121,7 @@ static enum rb_status take_event(void *user, char *text, struct rb_error *error)
 static enum rb_status take_value(void *user, char *text, struct rb_error *error)
 {
     struct rb_event_file *file = user;
-    char *formula;
-    if (rb_sheet_cut(text, &formula, error) || rb_values_add(&file->values, text, error))
-        return RB_INVALID;
-    error->column += (unsigned long)(formula - text);
-    return rb_values_define(&file->values, formula, error);
+    return rb_sheet_value(&file->values, text, error);
 }
 
 static enum rb_status check(const struct rb_event_file *file, struct rb_error *error)
@@ -157,10 +149,8 @@ enum rb_status rb_event_file_read(const char *path, struct rb_event_file *file,
         {"group", take_group},       {"event", take_event},
         {"value", take_value},       {NULL, NULL},
     };
-    const char *name = strrchr(path, '/');
     *file = (struct rb_event_file){.fallback = 0};
-    name = name ? name + 1 : path;
-    snprintf(file->stem, sizeof file->stem, "%.*s", (int)strcspn(name, "."), name);
+    rb_sheet_stem(path, file->stem);
     enum rb_status status = rb_sheet_read(path, keys, file, error);
     if (status == RB_OK)
         status = check(file, error);

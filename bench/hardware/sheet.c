@@ -73,6 +73,30 @@ enum rb_status rb_sheet_text(char *to, size_t size, const char *text, struct rb_
     return RB_OK;
 }
 
+enum rb_status rb_sheet_append(char *to, size_t size, const char *text, struct rb_error *error)
+{
+    size_t length = strlen(to);
+    if (length + strlen(text) + 2 > size)
+        return rb_error_set(error, RB_INVALID, "more than %zu bytes", size - 1);
+    snprintf(to + length, size - length, "%s%s", length ? " " : "", text);
+    return RB_OK;
+}
+
+enum rb_status rb_sheet_value(struct rb_values *values, char *text, struct rb_error *error)
+{
+    char *formula;
+    if (rb_sheet_cut(text, &formula, error) || rb_values_add(values, text, error))
+        return RB_INVALID;
+    error->column += (unsigned long)(formula - text);
+    return rb_values_define(values, formula, error);
+}
+
+void rb_sheet_stem(const char *path, char stem[RB_SHEET_STEM_MAX])
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    snprintf(stem, RB_SHEET_STEM_MAX, "%.*s", (int)strcspn(name, "."), name);
+}
+
 enum rb_status rb_sheet_cut(char *text, char **rest, struct rb_error *error)
 {
     char *sign = strchr(text, '=');

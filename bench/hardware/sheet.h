@@ -3,7 +3,7 @@
 #ifndef RB_HARDWARE_SHEET_H
 #define RB_HARDWARE_SHEET_H
 
-#include "base/status.h"
+#include "bench/hardware/formula.h"
 
 #include <stddef.h>
 
@@ -20,6 +20,16 @@ enum rb_status rb_sheet_read(const char *path, const struct rb_sheet_key *keys, 
 
 // Copies a text, dropping what does not fit. RB_INVALID if there is none.
 enum rb_status rb_sheet_text(char *to, size_t size, const char *text, struct rb_error *error);
+
+// Appends a line to a text. RB_INVALID if it does not fit.
+enum rb_status rb_sheet_append(char *to, size_t size, const char *text, struct rb_error *error);
+
+// Adds a value "NAME = FORMULA".
+enum rb_status rb_sheet_value(struct rb_values *values, char *text, struct rb_error *error);
+
+// The name of a file without folders and ending.
+enum { RB_SHEET_STEM_MAX = 48 };
+void rb_sheet_stem(const char *path, char stem[RB_SHEET_STEM_MAX]);
 
 // Cuts "NAME = TEXT" in two; `*rest` is behind the sign. RB_INVALID if it is no such thing.
 enum rb_status rb_sheet_cut(char *text, char **rest, struct rb_error *error);

@@ -15,6 +15,9 @@ int rb_replay_simulate(struct rb_replay_run *run, const struct rb_arguments *arg
 // What the processor's counters, or the kernel's own events, say of it.
 int rb_replay_hardware(struct rb_replay_run *run, const struct rb_arguments *arguments);
 
+// The energy it takes, measured; or, where that cannot be and a model was asked for, modelled.
+int rb_replay_energy(struct rb_replay_run *run, const struct rb_arguments *arguments);
+
 // The command line of a worker that replays a unit, but for its file.
 void rb_replay_unit_words(const struct rb_replay_run *run, const struct rb_replay_unit *unit,
                           struct rb_worker_words *words);

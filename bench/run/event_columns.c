@@ -154,27 +154,3 @@ struct rb_value rb_column_hardware_note(const struct rb_line *line)
     rb_hardware_reason(line->cell->hardware, line->stage, line->bounce, text);
     return rb_text(text);
 }
-
-struct rb_value rb_column_nj_per_ray(const struct rb_line *line)
-{
-    (void)line;
-    return rb_none();
-}
-
-struct rb_value rb_column_gross_nj_per_ray(const struct rb_line *line)
-{
-    (void)line;
-    return rb_none();
-}
-
-struct rb_value rb_column_energy_source(const struct rb_line *line)
-{
-    (void)line;
-    return rb_none();
-}
-
-struct rb_value rb_column_energy_note(const struct rb_line *line)
-{
-    (void)line;
-    return rb_none();
-}

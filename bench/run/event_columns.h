@@ -1,4 +1,4 @@
-// The columns of kernels.csv on events and energy: counted by hardware, or else simulated.
+// The columns of kernels.csv on events (event_columns.c) and energy (energy_columns.c).
 #ifndef RB_RUN_EVENT_COLUMNS_H
 #define RB_RUN_EVENT_COLUMNS_H
 
@@ -29,5 +29,12 @@ struct rb_value rb_column_counted_by(const struct rb_line *line);
 struct rb_value rb_column_hardware_note(const struct rb_line *line);
 struct rb_value rb_column_gross_nj_per_ray(const struct rb_line *line);
 struct rb_value rb_column_energy_note(const struct rb_line *line);
+
+// And of frame.csv.
+struct rb_value rb_column_frame_j(const struct rb_line *line);
+struct rb_value rb_column_gross_frame_j(const struct rb_line *line);
+struct rb_value rb_column_edp_js(const struct rb_line *line);
+struct rb_value rb_column_frame_energy_source(const struct rb_line *line);
+struct rb_value rb_column_frame_energy_note(const struct rb_line *line);
 
 #endif

@@ -1,6 +1,7 @@
 #include "bench/run/evidence.h"
 
 #include "base/memory.h"
+#include "bench/run/energy_cell.h"
 #include "bench/run/process.h"
 #include "bench/run/reference.h"
 #include "bench/run/simulate_cell.h"
@@ -195,5 +196,7 @@ enum rb_status rb_evidence_gather(struct rb_run *run, struct rb_error *error)
             !rb_process_interrupted())
             simulate_cell(run, cell);
     }
+    if (status == RB_OK && run->plan->arguments.bench.energy && !rb_process_interrupted())
+        status = rb_energy_cells(run, error);
     return status;
 }

@@ -39,6 +39,7 @@ struct rb_run {
     unsigned measure;                 // bits of rb_measure
     struct rb_caches caches;          // to simulate
     struct rb_event_file events;      // to count
+    struct rb_energy_model model;     // of energy, if there is one
     double probe_ns, budget_s;
     time_t started;
     uint64_t start_ns;

@@ -210,6 +210,8 @@ static int expand(struct rb_run *run)
                   strcmp(plan->references[i].scene_name, plan->references[i - 1].scene_name) != 0;
     run->side_count = plan->arguments.bench.against ? 2 : 1;
     run->unit_count = plan->cell_count / run->side_count;
+    for (int i = 0; i < run->unit_count && plan->arguments.bench.energy_model; i++)
+        plan->cells[i].energy_model = &run->model;
     run->budget_s = plan->arguments.budget_s > 0 ? plan->arguments.budget_s
                                                  : SCENE_BUDGET_S * scenes * run->side_count;
     return 0;
@@ -235,6 +237,8 @@ static enum rb_status choose_measures(struct rb_run *run, struct rb_error *error
     enum rb_status status = RB_OK;
     if (run->measure & RB_MEASURE_HARDWARE)
         status = rb_event_file_choose(rb_hardware_root(), bench->events, &run->events, error);
+    if (status == RB_OK && bench->energy_model)
+        status = rb_energy_model_read(bench->energy_model, &run->model, error);
     if (status == RB_OK && run->measure & RB_MEASURE_SIMULATE)
         status = rb_simulate_check(error);
     if (status == RB_OK && run->measure & RB_MEASURE_SIMULATE)

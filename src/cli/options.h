@@ -37,6 +37,8 @@ struct rb_bench_arguments {
     const char *l1, *ll;           // of a simulation, as the next one
     int simulate_tiles, simulate_sample;
     const char *events; // to count: a file or its name
+    bool energy;
+    const char *energy_model; // a file or its name
 };
 
 // Everything any command can be told. Zero or NULL means not given.
