@@ -24,6 +24,7 @@ struct rb_energy_figures rb_energy_figures(const struct rb_energy *energy,
 enum rb_status rb_energy_idle(struct rb_meter *meter, double seconds, double *watts,
                               struct rb_error *error)
 {
+    seconds = seconds > 0 ? seconds : 2;
     struct timespec pause = {(time_t)seconds, (long)(fmod(seconds, 1) * 1e9)};
     double before, after;
     uint64_t start_ns = rb_clock_ns();

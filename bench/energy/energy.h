@@ -32,8 +32,8 @@ struct rb_energy_figures {
 struct rb_energy_figures rb_energy_figures(const struct rb_energy *energy,
                                            const struct rb_energy_span *span);
 
-// Power of the idle machine, over so many seconds. RB_FAILED if a counter stands still: no machine
-// takes 0 W.
+// Power of the idle machine, over so many seconds, or 2 if that is 0. RB_FAILED if a counter stands
+// still: no machine takes 0 W.
 enum rb_status rb_energy_idle(struct rb_meter *meter, double seconds, double *watts,
                               struct rb_error *error);
 

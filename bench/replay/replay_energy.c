@@ -6,9 +6,6 @@
 #include <math.h>
 #include <stdio.h>
 
-// Of the idle machine, before and after.
-static const double IDLE_S = 2.0;
-
 static enum rb_status measure_unit(const struct rb_replay_run *run,
                                    const struct rb_replay_unit *unit,
                                    const struct rb_arguments *arguments,
@@ -60,11 +57,12 @@ static enum rb_status measure_all(const struct rb_replay_run *run,
 {
     static struct rb_energy_span spans[RB_REPLAY_UNITS_MAX];
     struct rb_energy energy = {.frames = {.units = 0}};
-    enum rb_status status = rb_energy_idle(meter, IDLE_S, &energy.idle_before_w, error);
+    enum rb_status status =
+        rb_energy_idle(meter, arguments->bench.idle_s, &energy.idle_before_w, error);
     for (int i = 0; i < run->unit_count && status == RB_OK && !rb_process_interrupted(); i++)
         status = measure_unit(run, &run->units[i], arguments, &spans[i], error);
     if (status == RB_OK)
-        status = rb_energy_idle(meter, IDLE_S, &energy.idle_after_w, error);
+        status = rb_energy_idle(meter, arguments->bench.idle_s, &energy.idle_after_w, error);
     rb_meter_describe(meter, energy.source);
     if (status == RB_OK && !rb_process_interrupted())
         print(run, &energy, spans);

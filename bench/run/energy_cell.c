@@ -9,9 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-// Of the idle machine, before and after.
-static const double IDLE_S = 2.0;
-
 struct record {
     struct rb_sample sample;
     struct rb_energy_span span;
@@ -130,7 +127,8 @@ static enum rb_status measure_cells(struct rb_run *run, struct rb_meter *meter,
     struct rb_cell *before = NULL;
     double idle_w[2] = {0, 0};
     snprintf(path, sizeof path, "%s/energy.rays", run->sides[0].folder);
-    enum rb_status status = rb_energy_idle(meter, IDLE_S, &idle_w[0], error);
+    enum rb_status status =
+        rb_energy_idle(meter, run->plan->arguments.bench.idle_s, &idle_w[0], error);
     for (int i = 0; i < run->unit_count && status == RB_OK && !rb_process_interrupted(); i++) {
         struct rb_cell *cell = &run->plan->cells[i];
         if (!cell->energy)
@@ -141,7 +139,7 @@ static enum rb_status measure_cells(struct rb_run *run, struct rb_meter *meter,
     }
     unlink(path);
     if (status == RB_OK)
-        status = rb_energy_idle(meter, IDLE_S, &idle_w[1], error);
+        status = rb_energy_idle(meter, run->plan->arguments.bench.idle_s, &idle_w[1], error);
     for (int i = 0; i < run->unit_count; i++)
         if (run->plan->cells[i].energy) {
             run->plan->cells[i].energy->idle_before_w = idle_w[0];

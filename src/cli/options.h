@@ -38,6 +38,7 @@ struct rb_bench_arguments {
     int simulate_tiles, simulate_sample;
     const char *events; // to count: a file or its name
     bool energy;
+    double idle_s;            // how long to measure the idle machine
     const char *energy_model; // a file or its name
 };
 
