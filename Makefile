@@ -86,7 +86,7 @@ PLANS    := $(sort $(wildcard bench/plans/*.plan))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench explain table simulate versus selftest overhead test unit exact check fuzz setup install clean help force
+.PHONY: all bench explain table simulate versus perf perf-stat asm selftest overhead test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -111,6 +111,18 @@ simulate: all
 ## versus: our best rows against Embree's best modes, half an hour (VERSUS="balls_high --budget 1m")
 versus: all
 	$(B)/raybench versus $(VERSUS)
+
+## perf: hottest functions and lines of a kernel, flame graph (SCENE= VARIANT=bvh KERNEL=trace)
+perf: all
+	@RAYBENCH=$(B)/raybench SCENE=$(SCENE) VARIANT=$(VARIANT) KERNEL=$(KERNEL) BOUNCE=$(BOUNCE) scripts/perf
+
+## perf-stat: what perf counts of a kernel of each row, beside our times (VARIANT="bvh packet")
+perf-stat: all
+	@RAYBENCH=$(B)/raybench SCENE=$(SCENE) VARIANT="$(VARIANT)" KERNEL=$(KERNEL) BOUNCE=$(BOUNCE) scripts/perf-stat
+
+## asm: the machine code of one kernel (VARIANT=bvh KERNEL=trace)
+asm: all
+	@RAYBENCH=$(B)/raybench VARIANT=$(VARIANT) KERNEL=$(KERNEL) scripts/asm
 
 ## selftest: verdicts on the program against itself, and on known slow-downs; three minutes
 selftest: all
@@ -163,7 +175,7 @@ clean:
 ## help: this list
 help:
 	@echo 'usage: make [target] [CC=clang] [OPT=-O3] [CONFIG=name] [SANITIZE=address,undefined]'
-	@sed -n 's/^## \([a-z]*\): /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
+	@sed -n 's/^## \([a-z-]*\): /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
 
 build/raybench: $(B)/raybench
 	@ln -sf release/raybench $@

@@ -30,6 +30,8 @@ static const struct rb_option options[] = {
      "count events in turn; what was counted follows the sample"},
     {"--energy", NULL, RB_OPTION_FLAG, BENCH(energy), 0, 0,
      "measure energy; it follows the sample"},
+    {"--perf-control", "FIFO", RB_OPTION_TEXT, BENCH(perf_control), 0, 0,
+     "repeat until --slice is over; perf --control fifo:FIFO is enabled for that alone"},
     {.name = NULL},
 };
 
@@ -133,6 +135,32 @@ static enum rb_status verify(struct rb_repeater *repeater, struct rb_replay_sour
     return status;
 }
 
+// Says a word to perf.
+static enum rb_status tell_perf(const char *fifo, const char *word, struct rb_error *error)
+{
+    FILE *file = fopen(fifo, "w");
+    bool told = file && fputs(word, file) >= 0;
+    if (file && fclose(file) == 0 && told)
+        return RB_OK;
+    return rb_error_set(error, RB_FAILED, "cannot tell perf to %.7s: no such pipe?", word);
+}
+
+// Rounds until --slice is over, of which perf takes samples.
+static enum rb_status sample(struct rb_repeater *repeater, struct rb_replay_source *source,
+                             const struct rb_bench_arguments *bench, uint64_t round_ns,
+                             struct rb_error *error)
+{
+    struct rb_run_result result;
+    source->replay.rounds = choose_rounds((uint64_t)(bench->slice_s * 1e9), round_ns);
+    enum rb_status status = tell_perf(bench->perf_control, "enable\n", error);
+    uint64_t start_ns = rb_clock_ns();
+    while (status == RB_OK && (double)(rb_clock_ns() - start_ns) < bench->slice_s * 1e9)
+        rb_repeater_measure(repeater, &result);
+    if (status == RB_OK)
+        status = tell_perf(bench->perf_control, "disable\n", error);
+    return status ? status : rb_repeater_send(repeater, error);
+}
+
 // The first round says how many make a repetition. Where there is no time for a second one, it is
 // the only repetition.
 static enum rb_status measure(struct rb_repeater *repeater, struct rb_replay_source *source,
@@ -154,6 +182,8 @@ static enum rb_status measure(struct rb_repeater *repeater, struct rb_replay_sou
                                    : rb_energy_measure(repeater, bench->bounce, error);
         return status;
     }
+    if (bench->perf_control)
+        return sample(repeater, source, bench, result.wall_ns, error);
     if (rb_clock_ns() + result.wall_ns - repeater->start_ns > (uint64_t)(repeater->slice_s * 1e9))
         return rb_repeater_send(repeater, error);
     if (source->replay.count == count) // repetitions of a sample are one round: it can be told

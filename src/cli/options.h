@@ -36,7 +36,8 @@ struct rb_bench_arguments {
     const char *heatmap, *picture; // of it
     const char *l1, *ll;           // of a simulation, as the next one
     int simulate_tiles, simulate_sample;
-    const char *events; // to count: a file or its name
+    const char *events;       // to count: a file or its name
+    const char *perf_control; // a pipe to perf
     bool energy;
     double idle_s;            // how long to measure the idle machine
     const char *energy_model; // a file or its name
