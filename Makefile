@@ -82,6 +82,8 @@ UNIT     := $(UNIT_SRC:%.c=$(B)/%)
 TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
 
 PLANS    := $(sort $(wildcard bench/plans/*.plan))
+EVENTS   := $(sort $(wildcard bench/events/*.events))
+ENERGIES := $(sort $(wildcard bench/energy/*.energy))
 
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
@@ -167,6 +169,8 @@ install: all
 	install -D -m 644 $(B)/completions.zsh "$(SHARE)/zsh/site-functions/_raybench"
 	install -D -m 644 $(B)/completions.fish "$(SHARE)/fish/vendor_completions.d/raybench.fish"
 	$(if $(PLANS),install -D -m 644 -t "$(SHARE)/raybench/plans" $(PLANS))
+	install -D -m 644 -t "$(SHARE)/raybench/events" $(EVENTS)
+	install -D -m 644 -t "$(SHARE)/raybench/energy" $(ENERGIES)
 
 ## clean: remove build/
 clean:

@@ -167,7 +167,7 @@ static enum rb_status read_rows(struct rb_render_table *table, struct rb_error *
     int from[COLUMN_COUNT];
     for (size_t c = 0; c < COLUMN_COUNT; c++) {
         from[c] = rb_csv_column(&table->csv, columns[c].name);
-        if (from[c] < 0 && c < COLUMNS_ALWAYS) {
+        if (c < COLUMNS_ALWAYS && from[c] < 0) {
             snprintf(error->file, sizeof error->file, "%.*s", (int)sizeof error->file - 1,
                      table->csv.path);
             return rb_error_set(error, RB_INVALID, "there is no column %s; run make table",

@@ -52,8 +52,9 @@ check 'events are chosen by processor' env RAYBENCH_SYSFS="$tree" "$raybench" re
     >"$tmp/out" 2>"$tmp/err"
 check 'unverified ones say so' grep -q 'AMD Zen 4 (amd-zen4, unverified)' "$tmp/out"
 check 'what a category is' grep -q 'memory_stall: the back end took none' "$tmp/out"
+printf 'name A\nnam B\n' >"$tmp/bad.events"
 check 'a file that is none' complains 2 'bad.events:2:1: there is no key nam' replay "$rays" \
-    --mode hardware --events "$(printf 'name A\nnam B\n' >"$tmp/bad.events"; echo "$tmp/bad.events")"
+    --mode hardware --events "$tmp/bad.events"
 check 'a name that is none' complains 2 'no file none.events' replay "$rays" --mode hardware \
     --events none
 check 'an unknown measure' complains 2 'simulate or hardware' bench balls_low --measure hard $small
@@ -65,24 +66,25 @@ check 'no RAPL: one line and exit code 1' env RAYBENCH_SYSFS="$tree" sh -c \
 check 'with the reason' grep -q 'no energy can be measured' "$tmp/err"
 put sys/class/powercap/intel-rapl:0/name package-0
 put sys/class/powercap/intel-rapl:0/max_energy_range_uj 262143999938
-put sys/class/powercap/intel-rapl:0/energy_uj 1000
+put sys/class/powercap/intel-rapl:0/energy_uj 10000000
 still() {
     RAYBENCH_SYSFS=$tree "$raybench" replay "$rays" --kernel trace --bounce 0 --energy --idle 0.1 \
         >"$tmp/out" 2>"$tmp/err"
     [ $? = 1 ] && grep -q 'stand still' "$tmp/err" && ! grep -q 'nJ' "$tmp/out"
 }
 check 'a counter that stands still is none' still
-# And one that moves, evenly: net may well be nothing. It stops by itself.
+# And one that moves, evenly: net may well be nothing. Overwritten in place, so that no reader finds
+# it empty; it stops by itself.
 touch "$tmp/moving"
 (
-    uj=1000
-    while [ -e "$tmp/moving" ] && [ $uj -lt 20000000 ]; do
-        uj=$((uj + 1000))
-        echo $uj >"$tmp/new" && mv "$tmp/new" "$tree/sys/class/powercap/intel-rapl:0/energy_uj"
+    uj=10000000
+    while [ -e "$tmp/moving" ] && [ $uj -lt 99999999 ]; do
+        uj=$((uj + 50))
+        echo $uj 1<>"$tree/sys/class/powercap/intel-rapl:0/energy_uj"
     done
 ) 2>/dev/null &
 check 'one that moves gives gross energy' env RAYBENCH_SYSFS="$tree" "$raybench" replay "$rays" \
-    --variant bvh --kernel trace --bounce 0 --energy --idle 0.1 >"$tmp/out" 2>"$tmp/err"
+    --variant bvh --kernel trace --bounce 0 --energy --idle 0.5 >"$tmp/out" 2>"$tmp/err"
 rm "$tmp/moving"
 wait
 check 'in nJ a ray' grep -qE '^ +image +trace +0 +4096 +[-0-9.e+]+ +[0-9.e+]+ +[0-9.e+]+' "$tmp/out"
