@@ -72,7 +72,7 @@ void rb_explain_print_table(const struct rb_cell *cell)
                 print_place(&place);
             }
     if (cell->hardware) {
-        printf("  counted in the same frames:\n");
+        printf("  counted in frames of a process of its own:\n");
         rb_hardware_table_print(cell->hardware);
     }
 }

@@ -72,11 +72,12 @@ static enum rb_status take_match(void *user, char *text, struct rb_error *error)
 static enum rb_status take_group(void *user, char *text, struct rb_error *error)
 {
     struct rb_event_file *file = user;
-    if (*text)
-        return rb_error_set(error, RB_INVALID, "a group has no name");
+    bool by_read = strcmp(text, "by read") == 0;
+    if (*text && !by_read)
+        return rb_error_set(error, RB_INVALID, "expected group, or group by read");
     if (file->group_count == RB_HARDWARE_GROUPS)
         return rb_error_set(error, RB_INVALID, "more than %d groups", RB_HARDWARE_GROUPS);
-    file->group_count++;
+    file->by_read[file->group_count++] = by_read;
     return RB_OK;
 }
 

@@ -11,7 +11,8 @@
 //     verified  no                            has anybody held it against a real processor?
 //     prose     words                         what the categories mean here, and what is missing
 //     group                                   begins a group: events that are counted together;
-//                                             groups are counted in turn, one a repetition
+//                                             groups are counted in turn, one a repetition.
+//                                             `group by read`: rdpmc would not give counts of them
 //     event     cycles = cpu-cycles or event=0x76,umask=0 [with kernel]
 //     value     total = 6 * cycles            a formula of events and earlier values, per ray
 //
@@ -50,6 +51,7 @@ struct rb_event_file {
     struct rb_event_match matches[RB_EVENT_MATCHES_MAX];
     int match_count;
     struct rb_event_line events[RB_HARDWARE_EVENTS];
+    bool by_read[RB_HARDWARE_GROUPS];
     int event_count, group_count;
     struct rb_values values; // the events come first, at their indices
 };

@@ -9,6 +9,8 @@ void rb_hardware_make_groups(const struct rb_event_file *file, const char *root,
 {
     memset(groups, 0, sizeof *groups);
     groups->count = file->group_count;
+    for (int g = 0; g < groups->count; g++)
+        groups->group[g].by_read = file->by_read[g];
     for (int i = 0; i < file->event_count; i++) {
         int g = file->events[i].group;
         struct rb_event_group *group = &groups->group[g];

@@ -154,6 +154,22 @@ struct hardware_record {
     struct rb_hardware hardware;
 };
 
+// Once, if no event counts on this machine.
+static void tell_uncounted(struct rb_run *run, const struct rb_hardware *hardware)
+{
+    char reason[RB_HARDWARE_TEXT];
+    struct rb_error problem = {0};
+    for (int i = 0; i < hardware->file->event_count; i++)
+        if (hardware->state[i] == RB_EVENT_COUNTED)
+            return;
+    rb_hardware_reason(hardware, RB_STAGE_TRACE, 0, reason);
+    rb_error_set(&problem, RB_FAILED, "no event of %s is counted: %s", hardware->file->stem,
+                 reason);
+    if (!run->uncounted)
+        rb_report(RB_FAILED, &problem);
+    run->uncounted = true;
+}
+
 static enum rb_status count_events(struct rb_run *run, struct rb_cell *cell, struct rb_error *error)
 {
     static struct hardware_record record; // too large for the stack
@@ -178,6 +194,7 @@ static enum rb_status count_events(struct rb_run *run, struct rb_cell *cell, str
         return rb_error_memory(error, "the events");
     *cell->hardware = record.hardware;
     cell->hardware->file = &run->events;
+    tell_uncounted(run, cell->hardware);
     return RB_OK;
 }
 

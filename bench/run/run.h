@@ -45,6 +45,7 @@ struct rb_run {
     uint64_t start_ns;
     bool quiet;
     bool crashed, mismatch; // some cell
+    bool uncounted;         // it was told that no event counts here
 };
 
 // Makes the references, from the cache next to the result folders where it has them, and decides

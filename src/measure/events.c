@@ -117,7 +117,7 @@ static bool read_page(const void *mapped, uint64_t *value)
         lock = page->lock;
         __atomic_signal_fence(__ATOMIC_SEQ_CST);
         index = page->index;
-        if (index == 0 || !page->cap_user_rdpmc)
+        if (index == 0 || !page->cap_user_rdpmc || page->pmc_width == 0)
             return false;
         int unused_bits = 64 - page->pmc_width;
         uint64_t raw = rb_perf->read_counter(index - 1) << unused_bits;
@@ -142,10 +142,10 @@ static bool read_values(struct rb_event_counter *counter, uint64_t *values)
 }
 
 // Maps all events, or none.
-static void map_pages(struct rb_event_counter *counter)
+static void map_pages(struct rb_event_counter *counter, bool wanted)
 {
     uint64_t value;
-    bool all = counter->count > 0;
+    bool all = wanted && counter->count > 0;
 #if !defined(__x86_64__)
     all = false; // AArch64 wants its counters asked for in another way
 #endif
@@ -201,7 +201,7 @@ void rb_events_open(struct rb_event_counter *counter, const struct rb_event_grou
     }
     counter->enabled = reading.enabled;
     counter->running = reading.running;
-    map_pages(counter);
+    map_pages(counter, !group->by_read);
     calibrate(counter);
     if (counter->count && !read_values(counter, counter->last))
         give_up(counter, RB_EVENT_UNSCHEDULED);

@@ -29,6 +29,7 @@ struct rb_event {
 struct rb_event_group {
     struct rb_event of[RB_EVENTS_MAX];
     int count;
+    bool by_read; // not by rdpmc, which would give something else
 };
 
 // What became of an event, from good to bad.

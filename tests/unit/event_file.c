@@ -34,6 +34,7 @@ static void mistakes(void)
     } cases[] = {
         {"an unknown key", "name A\n  nam B\n", 2, 3},
         {"a key without words", "name\n", 1, 5},
+        {"a group with a name", "group one\n", 1, 7},
         {"an event before a group", "name A\nevent a = event=1\n", 2, 7},
         {"an event without encoding", "group\nevent a =\n", 2, 10},
         {"no sign", "group\nevent a event\n", 2, 7},

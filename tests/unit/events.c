@@ -261,6 +261,14 @@ static void user_space(void)
     kernel.user_space = true; // mapped, but not allowed
     open_group(2);
     ok(!counter.table.in_user_space && kernel.mapped == kernel.unmapped, "read(2) otherwise");
+    rb_events_close(&counter);
+    kernel.opened = kernel.asked = 0;
+    struct rb_event_group group = group_of(1);
+    group.by_read = true;
+    kernel.page[0] = (struct perf_event_mmap_page){.index = 1, .pmc_width = 48};
+    kernel.page[0].cap_user_rdpmc = 1;
+    rb_events_open(&counter, &group);
+    ok(!counter.table.in_user_space, "and where rdpmc would give something else");
 #endif
     rb_events_close(&counter);
 }
