@@ -53,7 +53,7 @@ void rb_counts_take(struct rb_counts *to)
 
 void rb_counting_begin(uint32_t index)
 {
-    rb_counting.first = rb_counting.base + index;
+    rb_counting.first = index;
     rb_counting.deepest = 0;
 }
 
@@ -62,8 +62,10 @@ void rb_counting_rays(enum rb_counter counter, unsigned bits, uint32_t each)
     rb_counting.counts.of[counter] += (uint64_t)__builtin_popcount(bits) * each;
     if (!rb_counting.cost || !(rb_counting.chosen >> counter & 1))
         return;
-    for (unsigned rest = bits; rest; rest &= rest - 1)
-        rb_counting.cost[rb_counting.first + (uint32_t)__builtin_ctz(rest)] += each;
+    for (unsigned rest = bits; rest; rest &= rest - 1) {
+        uint32_t index = rb_counting.first + (uint32_t)__builtin_ctz(rest);
+        rb_counting.cost[rb_counting.places ? rb_counting.places[index] : index] += each;
+    }
 }
 
 void rb_counting_step(unsigned bits, uint32_t lanes)

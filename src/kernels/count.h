@@ -43,11 +43,11 @@ extern const char *const rb_counter_names[RB_COUNTER_COUNT]; // "nodes"
 // What a thread is counting.
 struct rb_counting {
     struct rb_counts counts;
-    uint32_t base;    // index in its queue of the first ray of a part of it that is in work
-    uint32_t first;   // index in its queue of the ray in lane 0
-    uint64_t deepest; // stack of the running traversal
-    uint32_t *cost;   // not NULL: what `chosen` counts is added up here, by ray
-    uint32_t chosen;  // bit c: counter c
+    uint32_t first;         // index of the ray in lane 0
+    const uint32_t *places; // where rays of that index are in their queue; NULL: there
+    uint64_t deepest;       // stack of the running traversal
+    uint32_t *cost;         // not NULL: what `chosen` counts is added up here, by ray
+    uint32_t chosen;        // bit c: counter c
 };
 extern _Thread_local struct rb_counting rb_counting;
 
@@ -72,14 +72,16 @@ void rb_counting_end(unsigned bits);
 #define RB_COUNT(what) (0 ? (void)(what) : (void)0) // compiled, never run
 #endif
 
-// The kernel that is called next counts rays from `index` of the queue on. Or: the work that
+// The kernel that is called next gets rays that have such places in their queue. Or: the work that
 // follows is that of the rays from `index` on, the first of them in lane 0; and it is done, for the
 // rays of `bits`.
-#define RB_COUNT_BASE(index)  RB_COUNT(rb_counting.base = (index))
+#define RB_COUNT_PLACES(at)   RB_COUNT(rb_counting.places = (at))
 #define RB_COUNT_BEGIN(index) RB_COUNT(rb_counting_begin(index))
 #define RB_COUNT_END(bits)    RB_COUNT(rb_counting_end(bits))
 
-// The work that follows is that of the ray `lane` lanes further.
+// The work that follows is that of the rays from `index` on, but has begun before; that of the ray
+// `lane` lanes further.
+#define RB_COUNT_AT(index)  RB_COUNT(rb_counting.first = (index))
 #define RB_COUNT_LANE(lane) RB_COUNT(rb_counting.first += (uint32_t)(lane))
 
 // `each` more for every ray of `bits`; an operation of `lanes` lanes for the rays of `bits`; bytes;

@@ -1,17 +1,26 @@
-// Bundles: up to 256 neighbouring rays go through the wide tree together. One vector operation
-// holds the 8 boxes of a node against all of them at once, by interval arithmetic over their
-// origins and inverse directions (Boulos, Wald, Shirley 2006, "Geometric and arithmetic culling
-// methods for entire ray packets"). Of the packets in a bundle only the first and the last that
-// need a box are searched for, those in between come along untested (after Wald, Boulos, Shirley
-// 2007, "Ray tracing deformable scenes using dynamic bounding volume hierarchies").
+// Bundles: 256 neighbouring rays, the packets of a block of the image, go through the wide tree
+// together as beams, intervals of origins and inverse directions (Boulos, Wald, Shirley 2006,
+// "Geometric and arithmetic culling methods for entire ray packets"). One vector operation holds
+// the 8 boxes of a node against the beam of all, one holds a box that is left against the beams of
+// all packets; only the primitives that are left after both are tested ray by ray. Shadow rays
+// that end in one point are culled as rays from there.
 //
-// A bundle may go both ways on one axis at most. Other rays wait for each other and go on as a
+// Packets of a bundle that go the same ways are traced together. Those that go both ways on two
+// axes, and those that have tested too many primitives in vain, wait for each other and go on as a
 // stream (stream.c). Compiled once per instruction set (Makefile).
-#include "kernels/frustum_bundle.h"
+//
+// ns a ray, balls_high 1024 x 1024, one Zen 4 thread beside other load, least times: primary 12.2
+// -> 7.1, shadow 22.9 -> 11.4, refraction 22.9 -> 17.2 against bundles whose packets were tested
+// box by box, ray by ray, the first and the last of them only (after Wald, Boulos, Shirley 2007);
+// mount9 primary 62 -> 39, shadow 133 -> 70. Shadow rays culled from the surface instead: 23.7.
+// Tried and dropped: giving up bundles as a whole, and then trying quarters of them (shadow 15 to
+// 18); packets of 16 x 1 instead of 4 x 4 pixels (primary 14.5 -> 10.6 when that was changed).
+#include "kernels/frustum_bound.h"
+#include "kernels/frustum_leaf.h"
+#include "kernels/frustum_rest.h"
 #include "kernels/packet_generate.h"
 #include "kernels/packet_light.h"
 #include "kernels/packet_surface.h"
-#include "kernels/part.h"
 
 #ifndef RB_FRUSTUM
 #ifdef __aarch64__
@@ -26,6 +35,8 @@
 static rb_trace_fn trace;
 static rb_trace_shadow_fn trace_shadow;
 
+#define ELSE RB_TWIN(RB_FRUSTUM_ELSE)
+
 const struct rb_kernels RB_TWIN(RB_FRUSTUM) = {
     .generate = generate,
     .trace = trace,
@@ -33,18 +44,6 @@ const struct rb_kernels RB_TWIN(RB_FRUSTUM) = {
     .light = light,
     .trace_shadow = trace_shadow,
 };
-
-// Axes on which rays may go both ways; rays of the smallest bundle that is tried. A bundle falls
-// apart where, after TRIALS tests of a packet against a box, fewer than one lane in USEFUL needed
-// what was tested: a stream does not test what no ray needs. First guesses, not tuned: with them
-// shadow rays of balls_high from bounce 2 on took 100 to 108 ns, without 210 to 440, streams alone
-// 83 to 189 (least times of `raybench bench`, Zen 4, a busy machine).
-enum { MIXED_MAX = 1, BUNDLE_MIN = 64, TRIALS = 64, USEFUL = 8 };
-
-static inline bool falls_apart(const struct bundle *bundle)
-{
-    return bundle->tests >= TRIALS && bundle->useful * USEFUL < bundle->tests * RB_LANES;
-}
 
 // A child that is still to be visited.
 struct visit {
@@ -57,22 +56,33 @@ static void count_node(const struct bundle *bundle, uint64_t set)
 {
     for (; set; set &= set - 1) {
         int p = __builtin_ctzll(set);
-        RB_COUNT_LANE(p * RB_LANES);
+        RB_COUNT_AT(bundle->place[p]);
         RB_COUNT_RAYS(NODES, vi_bits(bundle->active[p]), 1);
-        RB_COUNT_LANE(-p * RB_LANES);
+    }
+}
+
+static void count_end(const struct bundle *bundle, uint64_t set)
+{
+    for (; set; set &= set - 1) {
+        RB_COUNT_AT(bundle->place[__builtin_ctzll(set)]);
+        RB_COUNT_END(VI_ALL_BITS);
     }
 }
 
 // Puts the children that are needed on the stack, the nearest on top.
-static inline int push(struct bundle *bundle, const struct rb_wide_node *node, uint64_t set,
-                       float limit, struct visit *stack, int depth)
+static inline int push(const struct bundle *bundle, const struct rb_wide_node *node, uint64_t set,
+                       struct visit *stack, int depth)
 {
     float enter[RB_WIDE];
+    struct planes planes = planes_of(bundle, node->bounds[0][0]);
     int bottom = depth;
     RB_COUNT(count_node(bundle, set));
-    for (unsigned bits = bundle_node(bundle, node, limit, enter); bits; bits &= bits - 1) {
+    RB_COUNT_STEP((1u << node->count) - 1, RB_WIDE);
+    RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
+    unsigned bits = bundle_boxes(bundle, &planes, enter) & ((1u << node->count) - 1);
+    for (; bits; bits &= bits - 1) {
         int c = __builtin_ctz(bits), at;
-        struct visit visit = {bundle_narrow(bundle, set, node, c), enter[c], node->child[c]};
+        struct visit visit = {bundle_narrow(bundle, set, &planes, c), enter[c], node->child[c]};
         if (!visit.set)
             continue;
         for (at = depth++; at > bottom && stack[at - 1].enter < visit.enter; at--)
@@ -83,109 +93,171 @@ static inline int push(struct bundle *bundle, const struct rb_wide_node *node, u
     return depth;
 }
 
-static inline vint hit_lanes(const struct rb_world *world, const struct bundle *bundle, int p,
-                             uint32_t id, struct hits *hit)
+// Tests the primitives of a leaf, and brings the limits of the bundle up to date.
+RB_INLINE void leaf_closest(const struct rb_world *world, struct bundle *bundle, struct visit visit,
+                            enum rb_wide_kind kind, struct hits *best)
 {
-    RB_COUNT_LANE(p * RB_LANES);
-    vint found = primitive_hit(world->scene, id, &bundle->packet[p], bundle->active[p], hit);
-    RB_COUNT_LANE(-p * RB_LANES);
-    return found;
-}
-
-// Tests the primitives of a leaf. Is any ray's closest hit closer now?
-static bool leaf_closest(const struct rb_world *world, struct bundle *bundle, struct visit visit,
-                         float limit, struct hits *best)
-{
-    const uint32_t *ids = rb_wide_ids(world->wide, visit.child);
-    bool closer = false;
-    for (unsigned bits = bundle_leaf(bundle, world->wide, visit.child, limit); bits;
-         bits &= bits - 1)
-        for (uint64_t set = visit.set; set; set &= set - 1) {
+    struct leaf leaf;
+    uint64_t closer = 0;
+    for (unsigned bits = leaf_open(bundle, world->wide, visit.child, kind, &leaf); bits;
+         bits &= bits - 1) {
+        int lane = __builtin_ctz(bits);
+        struct primitive with = leaf_primitive(&leaf, lane);
+        for (uint64_t set = leaf_narrow(bundle, &leaf, lane, visit.set & bundle->open); set;
+             set &= set - 1) {
             int p = __builtin_ctzll(set);
             struct hits hit;
-            vint found = hit_lanes(world, bundle, p, ids[__builtin_ctz(bits)], &hit);
+            vint found = leaf_hit(world, bundle, kind, &with, p, false, &hit);
             if (!vi_any(found))
                 continue;
             keep_closest(&best[p], &hit, found);
             bundle->limit[p] = best[p].t;
-            closer = true;
+            closer |= (uint64_t)1 << p;
         }
-    return closer;
-}
-
-static bool closest(const struct rb_world *world, struct bundle *bundle, struct hits *best)
-{
-    const struct rb_wide *wide = world->wide;
-    struct visit stack[RB_WIDE_STACK];
-    int depth = 0;
-    float limit = bundle_limit(bundle);
-    if (wide->count[RB_WIDE_NODE])
-        stack[depth++] = (struct visit){bundle_open(bundle), 0.0f, 0};
-    while (depth > 0) {
-        struct visit visit = stack[--depth];
-        if (visit.enter > limit)
-            continue;
-        if (falls_apart(bundle))
-            return false;
-        if (rb_wide_kind_of(visit.child) == RB_WIDE_NODE)
-            depth = push(bundle, &wide->nodes[visit.child], visit.set, limit, stack, depth);
-        else if (leaf_closest(world, bundle, visit, limit, best))
-            limit = bundle_limit(bundle);
     }
-    return true;
+    if (!closer)
+        return;
+    for (; closer; closer &= closer - 1)
+        bundle_limit(bundle, __builtin_ctzll(closer));
+    bundle_limit_all(bundle);
 }
 
-// Lanes that are found to be occluded cease to be active; returns the packets with others.
-static uint64_t leaf_any(const struct rb_world *world, struct bundle *bundle, struct visit visit,
-                         float limit, uint64_t open)
+// Lanes that are found to be occluded cease to be active, and packets without others to be open.
+RB_INLINE void leaf_any(const struct rb_world *world, struct bundle *bundle, struct visit visit,
+                        enum rb_wide_kind kind)
 {
-    const uint32_t *ids = rb_wide_ids(world->wide, visit.child);
-    for (unsigned bits = bundle_leaf(bundle, world->wide, visit.child, limit); bits;
-         bits &= bits - 1)
-        for (uint64_t set = visit.set & open; set; set &= set - 1) {
+    struct leaf leaf;
+    for (unsigned bits = leaf_open(bundle, world->wide, visit.child, kind, &leaf); bits;
+         bits &= bits - 1) {
+        int lane = __builtin_ctz(bits);
+        struct primitive with = leaf_primitive(&leaf, lane);
+        for (uint64_t set = leaf_narrow(bundle, &leaf, lane, visit.set & bundle->open); set;
+             set &= set - 1) {
             int p = __builtin_ctzll(set);
             struct hits hit;
-            vint found = hit_lanes(world, bundle, p, ids[__builtin_ctz(bits)], &hit);
+            vint found = leaf_hit(world, bundle, kind, &with, p, true, &hit);
             bundle->active[p] &= ~(found & (hit.t < bundle->limit[p]));
             if (!vi_any(bundle->active[p]))
-                open &= ~((uint64_t)1 << p);
+                bundle->open &= ~((uint64_t)1 << p);
         }
-    return open;
+    }
 }
 
-static bool any(const struct rb_world *world, struct bundle *bundle)
+typedef void closest_fn(const struct rb_world *world, struct bundle *bundle, struct visit visit,
+                        struct hits *best);
+typedef void any_fn(const struct rb_world *world, struct bundle *bundle, struct visit visit);
+
+// Defines the two searches of leaves of one kind.
+#define LEAF(kind, name)                                                                           \
+    static void name##_closest(const struct rb_world *world, struct bundle *bundle,                \
+                               struct visit visit, struct hits *best)                              \
+    {                                                                                              \
+        leaf_closest(world, bundle, visit, kind, best);                                            \
+    }                                                                                              \
+    static void name##_any(const struct rb_world *world, struct bundle *bundle,                    \
+                           struct visit visit)                                                     \
+    {                                                                                              \
+        leaf_any(world, bundle, visit, kind);                                                      \
+    }
+LEAF(RB_WIDE_SPHERES, spheres)
+LEAF(RB_WIDE_TRIANGLES, triangles)
+LEAF(RB_WIDE_OTHERS, others)
+
+static closest_fn *const leaf_closest_of[] = {
+    [RB_WIDE_SPHERES] = spheres_closest,
+    [RB_WIDE_TRIANGLES] = triangles_closest,
+    [RB_WIDE_OTHERS] = others_closest,
+};
+
+static any_fn *const leaf_any_of[] = {
+    [RB_WIDE_SPHERES] = spheres_any,
+    [RB_WIDE_TRIANGLES] = triangles_any,
+    [RB_WIDE_OTHERS] = others_any,
+};
+
+static void closest(const struct rb_world *world, struct bundle *bundle, struct hits *best)
 {
     const struct rb_wide *wide = world->wide;
     struct visit stack[RB_WIDE_STACK];
     int depth = 0;
-    uint64_t open = bundle_open(bundle);
-    float limit = bundle_limit(bundle);
     if (wide->count[RB_WIDE_NODE])
-        stack[depth++] = (struct visit){open, 0.0f, 0};
+        stack[depth++] = (struct visit){bundle->open, 0.0f, 0};
+    RB_COUNT_BEGIN(0);
     while (depth > 0) {
         struct visit visit = stack[--depth];
-        visit.set &= open;
-        if (!visit.set)
+        visit.set &= bundle->open;
+        if (visit.enter > bundle->all.limit[0] || !visit.set)
             continue;
-        if (falls_apart(bundle))
-            return false;
-        if (rb_wide_kind_of(visit.child) == RB_WIDE_NODE)
-            depth = push(bundle, &wide->nodes[visit.child], visit.set, limit, stack, depth);
+        enum rb_wide_kind kind = rb_wide_kind_of(visit.child);
+        if (kind == RB_WIDE_NODE)
+            depth = push(bundle, &wide->nodes[visit.child], visit.set, stack, depth);
         else
-            open = leaf_any(world, bundle, visit, limit, open);
+            leaf_closest_of[kind](world, bundle, visit, best);
     }
-    return true;
 }
 
-static void load_rays(struct bundle *bundle, const struct rb_rays *rays)
+static void any(const struct rb_world *world, struct bundle *bundle)
 {
-    bundle->count = 0, bundle->tests = 0, bundle->useful = 0;
-    for (uint32_t i = 0; i < rays->count; i += RB_LANES) {
-        int p = bundle->count++;
-        struct vvec o = {vf_load(rays->ox + i), vf_load(rays->oy + i), vf_load(rays->oz + i)};
-        struct vvec d = {vf_load(rays->dx + i), vf_load(rays->dy + i), vf_load(rays->dz + i)};
-        bundle->packet[p] = packet_make(o, d, vi_load(rays->self + i), false);
-        bundle->active[p] = vi_first(rays->count - i) & vv_finite(o) & vv_finite(d);
+    const struct rb_wide *wide = world->wide;
+    struct visit stack[RB_WIDE_STACK];
+    int depth = 0;
+    if (wide->count[RB_WIDE_NODE])
+        stack[depth++] = (struct visit){bundle->open, 0.0f, 0};
+    RB_COUNT_BEGIN(0);
+    while (depth > 0) {
+        struct visit visit = stack[--depth];
+        visit.set &= bundle->open;
+        if (!visit.set)
+            continue;
+        enum rb_wide_kind kind = rb_wide_kind_of(visit.child);
+        if (kind == RB_WIDE_NODE)
+            depth = push(bundle, &wide->nodes[visit.child], visit.set, stack, depth);
+        else
+            leaf_any_of[kind](world, bundle, visit);
+    }
+}
+
+// Packets that go both ways on more axes than one are no part of a bundle, nor those with lanes
+// that are not rays.
+static inline void sort_in(struct bundle *bundle, struct rest *rest, const struct packet *packet,
+                           vint wanted, vfloat limit, uint32_t place)
+{
+    unsigned signs[3];
+    int mixed = 0;
+    signs_of(packet->d, signs);
+    for (int k = 0; k < 3; k++)
+        mixed += signs[k] != 0 && signs[k] != VI_ALL_BITS;
+    if (mixed > 1 || vi_bits(wanted) != VI_ALL_BITS)
+        rest_add(rest, packet, wanted, limit, place);
+    else
+        bundle_add(bundle, packet, signs, limit, place);
+}
+
+// Queues come from memory: the arrays of the next bundle are asked for while this one is traced.
+RB_INLINE void prefetch_next(const void *const *arrays, size_t count, uint32_t i)
+{
+#pragma GCC unroll 8
+    for (size_t k = 0; k < count; k++)
+        __builtin_prefetch((const float *)arrays[k] + i + BUNDLE);
+}
+
+static void load_rays(const struct rb_rays *rays, uint32_t first, struct bundle *bundle,
+                      struct rest *rest)
+{
+    uint32_t end = rays->count - first < BUNDLE ? rays->count : first + BUNDLE;
+    bundle->count = 0, bundle->failed = 0;
+    memset(bundle->signs, 0, sizeof bundle->signs);
+    for (uint32_t i = first; i < end; i += RB_LANES) {
+        struct packet packet = {
+            .o = {vf_load(rays->ox + i), vf_load(rays->oy + i), vf_load(rays->oz + i)},
+            .d = {vf_load(rays->dx + i), vf_load(rays->dy + i), vf_load(rays->dz + i)},
+            .self = vi_load(rays->self + i),
+        };
+        vint wanted = vi_first(rays->count - i) & vv_finite(packet.o) & vv_finite(packet.d);
+        const void *next[] = {rays->ox, rays->oy, rays->oz,  rays->dx,
+                              rays->dy, rays->dz, rays->self};
+        prefetch_next(next, sizeof next / sizeof *next, i);
+        sort_in(bundle, rest, &packet, wanted, vf_set(INFINITY), i);
     }
 }
 
@@ -193,158 +265,138 @@ static void planes_closest(const struct rb_world *world, struct bundle *bundle, 
 {
     struct hits hit;
     for (int p = 0; p < bundle->count; p++) {
+        struct packet packet = bundle_packet(bundle, p, false);
         best[p] = (struct hits){vf_set(INFINITY), vf_set(0.0f), vf_set(0.0f), vi_set(RB_NONE)};
+        RB_COUNT_BEGIN(bundle->place[p]);
         for (uint32_t i = 0; i < world->scene->count[RB_PLANE]; i++) {
-            vint found = bundle->active[p] &
-                         plane_hit(world->scene, i, &bundle->packet[p], bundle->active[p], &hit);
+            vint found = plane_hit(world->scene, i, &packet, bundle->active[p], &hit);
             keep_closest(&best[p], &hit, found);
         }
         bundle->limit[p] = best[p].t;
     }
 }
 
-// Traces at most BUNDLE rays as one bundle. False if they differ too much, and nothing is done.
-static bool trace_bundle(const struct rb_world *world, const struct rb_rays *rays,
+// Packets that were given up join the rest. Returns whether p is one.
+static inline bool give_up(const struct bundle *bundle, int p, bool shadow, struct rest *rest)
+{
+    struct packet packet = bundle_packet(bundle, p, shadow);
+    if (!(bundle->failed >> p & 1))
+        return false;
+    rest_add(rest, &packet, vi_first(RB_LANES), bundle->limit[p], bundle->place[p]);
+    return true;
+}
+
+static void trace_bundle(const struct rb_world *world, struct bundle *bundle, struct rest *rest,
                          struct rb_hits *hits)
 {
-    struct bundle bundle;
     struct hits best[PACKETS];
-    load_rays(&bundle, rays);
-    if (bundle_bound(&bundle) > MIXED_MAX)
-        return false;
-    planes_closest(world, &bundle, best);
-    if (!closest(world, &bundle, best))
-        return false;
-    for (int p = 0; p < bundle.count; p++) {
-        uint32_t i = (uint32_t)(p * RB_LANES);
+    planes_closest(world, bundle, best);
+    bundle_bound(bundle);
+    for (uint64_t left = bundle_packets(bundle); left;) {
+        uint64_t group = bundle_group(bundle, &left);
+        closest(world, bundle, best);
+        RB_COUNT(count_end(bundle, group));
+    }
+    for (int p = 0; p < bundle->count; p++) {
+        uint32_t i = bundle->place[p];
+        if (give_up(bundle, p, false, rest))
+            continue;
         vf_store(hits->t + i, best[p].t);
         vf_store(hits->u + i, best[p].u);
         vf_store(hits->v + i, best[p].v);
         vi_store(hits->prim + i, best[p].prim);
-        RB_COUNT_END(vi_bits(bundle.active[p]));
+        RB_COUNT_BEGIN(i);
         RB_COUNT_RAYS(HITS, vi_bits(best[p].prim != vi_set(RB_NONE)), 1);
     }
-    return true;
-}
-
-// The rays from `first` to `end` that no bundle took.
-static void trace_rest(const struct rb_world *world, const struct rb_rays *rays,
-                       struct rb_hits *hits, uint32_t first, uint32_t end)
-{
-    struct rb_rays some = rb_rays_view(rays, first, end - first, end - first);
-    struct rb_hits answers = rb_hits_view(hits, first);
-    RB_COUNT_BASE(first);
-    if (first < end)
-        RB_TWIN(RB_FRUSTUM_ELSE).trace(world, &some, &answers);
-    RB_COUNT_BASE(0);
-}
-
-// Tries bundles of `size` rays from `first` to `end`, then of a quarter. Rays from `waiting` on
-// were too different so far; returns from where on they are now.
-static uint32_t trace_range(const struct rb_world *world, const struct rb_rays *rays,
-                            struct rb_hits *hits, uint32_t first, uint32_t end, uint32_t size,
-                            uint32_t waiting)
-{
-    for (uint32_t at = first; at < end; at += size) {
-        uint32_t count = end - at < size ? end - at : size;
-        struct rb_rays some = rb_rays_view(rays, at, count, count);
-        struct rb_hits answers = rb_hits_view(hits, at);
-        RB_COUNT_BEGIN(at);
-        if (trace_bundle(world, &some, &answers)) {
-            trace_rest(world, rays, hits, waiting, at);
-            waiting = at + count;
-        } else if (size / 4 >= BUNDLE_MIN) {
-            waiting = trace_range(world, rays, hits, at, at + count, size / 4, waiting);
-        }
-    }
-    return waiting;
 }
 
 // SPD's one-sided surfaces are a matter of tests, not of speed.
 static void trace(const struct rb_world *world, const struct rb_rays *rays, struct rb_hits *hits)
 {
-    uint32_t waiting = 0;
-    if (!world->one_sided)
-        waiting = trace_range(world, rays, hits, 0, rays->count, BUNDLE, 0);
-    trace_rest(world, rays, hits, waiting, rays->count);
+    struct bundle bundle;
+    struct rest rest;
+    rest.count = 0;
+    if (world->one_sided) {
+        ELSE.trace(world, rays, hits);
+        return;
+    }
+    for (uint32_t first = 0; first < rays->count; first += BUNDLE) {
+        load_rays(rays, first, &bundle, &rest);
+        if (bundle.count)
+            trace_bundle(world, &bundle, &rest, hits);
+        if (rest.count > REST_MAX - BUNDLE)
+            rest_trace(&rest, &ELSE, world, hits);
+    }
+    if (rest.count)
+        rest_trace(&rest, &ELSE, world, hits);
 }
 
-static void load_shadows(struct bundle *bundle, const struct rb_shadows *shadows)
+static void load_shadows(const struct rb_shadows *shadows, uint32_t first, struct bundle *bundle,
+                         struct rest *rest)
 {
-    bundle->count = 0, bundle->tests = 0, bundle->useful = 0;
-    for (uint32_t i = 0; i < shadows->count; i += RB_LANES) {
-        int p = bundle->count++;
-        struct vvec o = {vf_load(shadows->ox + i), vf_load(shadows->oy + i),
-                         vf_load(shadows->oz + i)};
-        struct vvec d = {vf_load(shadows->dx + i), vf_load(shadows->dy + i),
-                         vf_load(shadows->dz + i)};
-        bundle->packet[p] = packet_make(o, d, vi_load(shadows->self + i), true);
-        bundle->active[p] = vi_first(shadows->count - i) & vv_finite(o) & vv_finite(d);
-        bundle->limit[p] = vf_load(shadows->distance + i);
+    uint32_t end = shadows->count - first < BUNDLE ? shadows->count : first + BUNDLE;
+    bundle->count = 0, bundle->failed = 0;
+    memset(bundle->signs, 0, sizeof bundle->signs);
+    for (uint32_t i = first; i < end; i += RB_LANES) {
+        struct packet packet = {
+            .o = {vf_load(shadows->ox + i), vf_load(shadows->oy + i), vf_load(shadows->oz + i)},
+            .d = {vf_load(shadows->dx + i), vf_load(shadows->dy + i), vf_load(shadows->dz + i)},
+            .self = vi_load(shadows->self + i),
+            .shadow = true,
+        };
+        const void *next[] = {shadows->ox, shadows->oy, shadows->oz,   shadows->dx,
+                              shadows->dy, shadows->dz, shadows->self, shadows->distance};
+        prefetch_next(next, sizeof next / sizeof *next, i);
+        vint wanted = vi_first(shadows->count - i) & vv_finite(packet.o) & vv_finite(packet.d);
+        sort_in(bundle, rest, &packet, wanted, vf_load(shadows->distance + i), i);
     }
 }
 
 static void planes_any(const struct rb_world *world, struct bundle *bundle)
 {
     struct hits hit;
-    for (int p = 0; p < bundle->count; p++)
+    for (int p = 0; p < bundle->count; p++) {
+        struct packet packet = bundle_packet(bundle, p, true);
+        RB_COUNT_BEGIN(bundle->place[p]);
         for (uint32_t i = 0; i < world->scene->count[RB_PLANE]; i++) {
-            vint found = plane_hit(world->scene, i, &bundle->packet[p], bundle->active[p], &hit);
+            vint found = plane_hit(world->scene, i, &packet, bundle->active[p], &hit);
             bundle->active[p] &= ~(found & (hit.t < bundle->limit[p]));
         }
-}
-
-static bool shadow_bundle(const struct rb_world *world, struct rb_shadows *shadows)
-{
-    struct bundle bundle;
-    vint wanted[PACKETS];
-    load_shadows(&bundle, shadows);
-    if (bundle_bound(&bundle) > MIXED_MAX)
-        return false;
-    memcpy(wanted, bundle.active, sizeof wanted);
-    planes_any(world, &bundle);
-    if (!any(world, &bundle))
-        return false;
-    for (int p = 0; p < bundle.count; p++) {
-        uint32_t i = (uint32_t)(p * RB_LANES);
-        unsigned occluded = vi_bits(wanted[p] & ~bundle.active[p]);
-        for (uint32_t lane = 0; lane < RB_LANES && i + lane < shadows->count; lane++)
-            shadows->occluded[i + lane] = occluded >> lane & 1;
-        RB_COUNT_END(vi_bits(wanted[p]));
-        RB_COUNT_RAYS(OCCLUDED, occluded, 1);
     }
-    return true;
 }
 
-static void shadow_rest(const struct rb_world *world, const struct rb_shadows *shadows,
-                        uint32_t first, uint32_t end)
+static void shadow_bundle(const struct rb_world *world, struct bundle *bundle, struct rest *rest,
+                          struct rb_shadows *shadows)
 {
-    struct rb_shadows some = rb_shadows_view(shadows, first, end - first);
-    RB_COUNT_BASE(first);
-    if (first < end)
-        RB_TWIN(RB_FRUSTUM_ELSE).trace_shadow(world, &some);
-    RB_COUNT_BASE(0);
-}
-
-static uint32_t shadow_range(const struct rb_world *world, const struct rb_shadows *shadows,
-                             uint32_t first, uint32_t end, uint32_t size, uint32_t waiting)
-{
-    for (uint32_t at = first; at < end; at += size) {
-        uint32_t count = end - at < size ? end - at : size;
-        struct rb_shadows some = rb_shadows_view(shadows, at, count);
-        RB_COUNT_BEGIN(at);
-        if (shadow_bundle(world, &some)) {
-            shadow_rest(world, shadows, waiting, at);
-            waiting = at + count;
-        } else if (size / 4 >= BUNDLE_MIN) {
-            waiting = shadow_range(world, shadows, at, at + count, size / 4, waiting);
-        }
+    planes_any(world, bundle);
+    bundle_bound_shadows(bundle);
+    for (uint64_t left = bundle_packets(bundle); left;) {
+        uint64_t group = bundle_group(bundle, &left);
+        any(world, bundle);
+        RB_COUNT(count_end(bundle, group));
     }
-    return waiting;
+    for (int p = 0; p < bundle->count; p++) {
+        uint32_t i = bundle->place[p];
+        if (give_up(bundle, p, true, rest))
+            continue;
+        vi_store_bytes(shadows->occluded + i, ~bundle->active[p] & 1);
+        RB_COUNT_BEGIN(i);
+        RB_COUNT_RAYS(OCCLUDED, VI_ALL_BITS & ~vi_bits(bundle->active[p]), 1);
+    }
 }
 
 static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadows)
 {
-    uint32_t waiting = shadow_range(world, shadows, 0, shadows->count, BUNDLE, 0);
-    shadow_rest(world, shadows, waiting, shadows->count);
+    struct bundle bundle;
+    struct rest rest;
+    rest.count = 0;
+    for (uint32_t first = 0; first < shadows->count; first += BUNDLE) {
+        load_shadows(shadows, first, &bundle, &rest);
+        if (bundle.count)
+            shadow_bundle(world, &bundle, &rest, shadows);
+        if (rest.count > REST_MAX - BUNDLE)
+            rest_trace_shadow(&rest, &ELSE, world, shadows);
+    }
+    if (rest.count)
+        rest_trace_shadow(&rest, &ELSE, world, shadows);
 }

@@ -90,8 +90,9 @@ struct rb_view {
 };
 
 // Pixels of a tile that one batch covers: [x0, x1) x [y0, y1), walked in blocks of RB_BLOCK pixels
-// squared, row by row inside a block. One AA sample of each pixel.
-enum { RB_BLOCK = 16 };
+// squared, these in cells of RB_CELL pixels squared, row by row inside a cell: whatever the width
+// of vectors, neighbours in a queue are neighbours in the image. One AA sample of each pixel.
+enum { RB_BLOCK = 16, RB_CELL = 4 };
 struct rb_span {
     int x0, y0, x1, y1;
     uint32_t sample;

@@ -1,23 +1,27 @@
-// Camera rays, RB_LANES pixels of a row at a time.
+// Camera rays, RB_LANES pixels at a time.
 #ifndef RB_KERNELS_PACKET_GENERATE_H
 #define RB_KERNELS_PACKET_GENERATE_H
 
 #include "kernels/packet_lanes.h"
 
-// The camera rays of `count` pixels from (x, y) to the right.
-static void generate_row(const struct rb_view *view, int x, int y, uint32_t count, uint32_t sample,
-                         struct rb_rays *out)
+// The camera rays of RB_LANES pixels of a cell from (x, y) on, those of the span.
+static void generate_some(const struct rb_view *view, const struct rb_span *span, int x, int y,
+                          struct rb_rays *out)
 {
-    vint lane = vi_lanes(), pixel = vi_set((uint32_t)(y * view->width + x)) + lane;
+    vint px = vi_set((uint32_t)x) + vi_lanes() % RB_CELL;
+    vint py = vi_set((uint32_t)y) + vi_lanes() / RB_CELL;
+    vint pixel = py * view->width + px;
+    unsigned bits = vi_bits((px < span->x1) & (py < span->y1));
     vfloat sx = vf_set(view->center), sy = sx;
     for (int i = 0; view->aa > 1 && i < RB_LANES; i++) {
         float in_x, in_y;
-        rb_pixel_place(view, (uint32_t)pixel[i], sample, &in_x, &in_y);
+        rb_pixel_place(view, (uint32_t)pixel[i], span->sample, &in_x, &in_y);
         sx[i] = in_x, sy[i] = in_y;
     }
-    vfloat at_x = __builtin_convertvector(vi_set((uint32_t)x) + lane, vfloat) + sx;
+    vfloat at_x = __builtin_convertvector(px, vfloat) + sx;
+    vfloat at_y = __builtin_convertvector(py, vfloat) + sy;
     struct vvec d = vv_mad(vv_set(view->corner), at_x, vv_set(view->right));
-    d = vv_normalize(vv_mad(d, (float)y + sy, vv_set(view->down)));
+    d = vv_normalize(vv_mad(d, at_y, vv_set(view->down)));
     struct vvec o = vv_set(view->from);
     const struct column columns[] = {
         FLOATS(out->ox, o.x),
@@ -31,8 +35,9 @@ static void generate_row(const struct rb_view *view, int x, int y, uint32_t coun
         WORDS(out->path, vi_set(1)),
         WORDS(out->self, vi_set(RB_NONE)),
     };
-    RB_COUNT_STEP(vi_bits(vi_first(count)), RB_LANES);
-    APPEND(columns, out->count, vi_bits(vi_first(count)));
+    uint32_t count = (uint32_t)__builtin_popcount(bits);
+    RB_COUNT_STEP(bits, RB_LANES);
+    APPEND(columns, out->count, bits);
     memset(out->media + out->count, 0, count * sizeof *out->media);
     out->count += count;
 }
@@ -41,12 +46,10 @@ static void generate(const struct rb_view *view, const struct rb_span *span, str
 {
     for (int by = span->y0; by < span->y1; by += RB_BLOCK)
         for (int bx = span->x0; bx < span->x1; bx += RB_BLOCK)
-            for (int y = by; y < by + RB_BLOCK && y < span->y1; y++)
-                for (int x = bx; x < bx + RB_BLOCK && x < span->x1; x += RB_LANES) {
-                    int rest = span->x1 - x;
-                    generate_row(view, x, y, (uint32_t)(rest < RB_LANES ? rest : RB_LANES),
-                                 span->sample, out);
-                }
+            for (int cy = by; cy < by + RB_BLOCK && cy < span->y1; cy += RB_CELL)
+                for (int x = bx; x < bx + RB_BLOCK && x < span->x1; x += RB_CELL)
+                    for (int y = cy; y < cy + RB_CELL; y += RB_LANES / RB_CELL)
+                        generate_some(view, span, x, y, out);
 }
 
 #endif

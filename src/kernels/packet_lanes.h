@@ -51,12 +51,6 @@ static inline struct vvec vv_normalize(struct vvec a)
     return (struct vvec){a.x * scale, a.y * scale, a.z * scale};
 }
 
-static inline struct vvec vv_select(vint mask, struct vvec a, struct vvec b)
-{
-    return (struct vvec){vf_select(mask, a.x, b.x), vf_select(mask, a.y, b.y),
-                         vf_select(mask, a.z, b.z)};
-}
-
 // rb_turned
 static inline struct vvec vv_turned(struct vvec n, struct vvec d)
 {

@@ -6,10 +6,12 @@
 #include "kernels/intersect.h"
 #include "kernels/simd.h"
 
+// Inlined whatever the compiler thinks of it: fast only where its arguments are in registers.
+#define RB_INLINE static inline __attribute__((always_inline))
+
 // rb_ray, lane by lane. All rays of a packet are of one kind.
 struct packet {
     struct vvec o, d, inv;
-    vint backward[3]; // lanes whose direction is negative on that axis
     vint self;
     bool shadow;
 };
@@ -34,7 +36,7 @@ static inline vfloat safe_inverse(vfloat d)
 static inline struct packet packet_make(struct vvec o, struct vvec d, vint self, bool shadow)
 {
     struct vvec inv = {safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z)};
-    return (struct packet){o, d, inv, {inv.x < 0.0f, inv.y < 0.0f, inv.z < 0.0f}, self, shadow};
+    return (struct packet){o, d, inv, self, shadow};
 }
 
 // One ray of the packet, for what is too rare to have a vector form.
@@ -46,76 +48,68 @@ static struct rb_ray packet_ray(const struct packet *packet, int lane)
                        packet->shadow ? RB_SIDES_BOTH : RB_SIDES_VISIBLE);
 }
 
-// rb_slab
-static inline void slab(float low, float high, vfloat o, vfloat inv, vint backward,
-                        struct interval *range)
+// rb_slab. Which plane is nearer need not be asked: it is the one whose distance is less.
+RB_INLINE void slab(float low, float high, vfloat o, vfloat inv, struct interval *range)
 {
     vfloat t_low = (low - o) * inv, t_high = (high - o) * inv;
-    vfloat near = vf_select(backward, t_high, t_low), far = vf_select(backward, t_low, t_high);
-    range->near = vf_max(range->near, near);
-    range->far = vf_min(range->far, far * RB_FAR_SCALE);
+    range->near = vf_max(range->near, vf_min(t_low, t_high));
+    range->far = vf_min(range->far, vf_max(t_low, t_high));
 }
 
-// rb_box
-static inline struct interval box(const float low[3], const float high[3],
-                                  const struct packet *packet)
+// rb_box. Rounding is monotone, so scaling the least of the far distances gives the least of the
+// scaled ones.
+RB_INLINE struct interval box(const float low[3], const float high[3], const struct packet *packet)
 {
     struct interval range = {vf_set(0.0f), vf_set(INFINITY)};
-    slab(low[0], high[0], packet->o.x, packet->inv.x, packet->backward[0], &range);
-    slab(low[1], high[1], packet->o.y, packet->inv.y, packet->backward[1], &range);
-    slab(low[2], high[2], packet->o.z, packet->inv.z, packet->backward[2], &range);
+    slab(low[0], high[0], packet->o.x, packet->inv.x, &range);
+    slab(low[1], high[1], packet->o.y, packet->inv.y, &range);
+    slab(low[2], high[2], packet->o.z, packet->inv.z, &range);
+    range.far *= RB_FAR_SCALE;
     return range;
 }
 
-// rb_count_primitive
-static inline void count_primitive(vint active, size_t bytes)
+// The own box comes last: most of what misses a primitive misses its formula.
+static inline void count_primitive(enum rb_counter kind, vint active, vint inside, size_t bytes)
 {
-    (void)active, (void)bytes;
+    (void)kind, (void)active, (void)inside, (void)bytes;
     RB_COUNT_STEP(vi_bits(active), RB_LANES);
-    RB_COUNT_RAYS(BOXES, vi_bits(active), 1);
+    RB_COUNT(rb_counting_rays(kind, vi_bits(active), 1));
+    RB_COUNT_RAYS(BOXES, vi_bits(inside), 1);
     RB_COUNT_BYTES(PRIMITIVE_BYTES, bytes);
 }
 
-// rb_sphere_test, own box included, for rays that see both sides or what a negative radius leaves.
-static inline vint sphere_hit(const struct rb_sphere *sphere, const struct packet *packet,
-                              vint active, vint own, struct hits *hit)
+// rb_sphere_test, own box from `low` to `high` included, for rays that see both sides or what a
+// negative radius leaves.
+RB_INLINE vint sphere_hit(const struct rb_sphere *sphere, const float low[3], const float high[3],
+                          const struct packet *packet, vint active, vint own, struct hits *hit)
 {
-    float low[3], high[3];
-    rb_sphere_bounds(sphere, low, high);
-    struct interval range = box(low, high, packet);
-    vint passes = active & (range.near <= range.far);
-    count_primitive(active, sizeof *sphere);
-    if (!vi_any(passes))
-        return passes;
-    RB_COUNT_RAYS(SPHERES, vi_bits(passes), 1);
+    float radius = sphere->radius;
     struct vvec l = vv_sub(vv_set(sphere->center), packet->o);
     vfloat b = vv_dot(l, packet->d);
     struct vvec apart = vv_mad(l, -b, packet->d);
-    vfloat discriminant = sphere->radius * sphere->radius - vv_dot(apart, apart);
+    vfloat discriminant = radius * radius - vv_dot(apart, apart);
+    vint inside = active & (discriminant >= 0.0f);
+    count_primitive(RB_COUNT_SPHERES, active, inside, sizeof *sphere);
+    if (!vi_any(inside))
+        return inside;
     vfloat root = vf_sqrt(discriminant);
     vfloat near = b - root, far = vf_select(own, b + b, b + root);
     vint take_near = (near > 0.0f) & ~own;
-    if (sphere->radius < 0.0f && !packet->shadow)
+    if (radius < 0.0f && !packet->shadow)
         take_near = vi_set(0);
     vfloat t = vf_select(take_near, near, far);
-    vint found = passes & (discriminant >= 0.0f) & (t > 0.0f);
+    struct interval range = box(low, high, packet);
     hit->t = vf_min(vf_max(t, range.near), range.far);
     hit->u = hit->v = vf_set(0.0f);
-    return packet->shadow ? found & ~own : found;
+    inside &= (range.near <= range.far) & (t > 0.0f);
+    return packet->shadow ? inside & ~own : inside;
 }
 
-// rb_triangle_test, own box included.
-static inline vint triangle_hit(const struct rb_triangle *triangle, const struct packet *packet,
-                                vint active, vint own, struct hits *hit)
+// rb_triangle_test, own box from `low` to `high` included.
+RB_INLINE vint triangle_hit(const struct rb_triangle *triangle, const float low[3],
+                            const float high[3], const struct packet *packet, vint active, vint own,
+                            struct hits *hit)
 {
-    float low[3], high[3];
-    rb_triangle_bounds(triangle, low, high);
-    struct interval range = box(low, high, packet);
-    vint passes = active & (range.near <= range.far) & ~own;
-    count_primitive(active, sizeof *triangle);
-    if (!vi_any(passes))
-        return passes;
-    RB_COUNT_RAYS(TRIANGLES, vi_bits(passes), 1);
     struct rb_vec corner = rb_vec_of(triangle->v[0]);
     struct rb_vec edge1 = rb_vec_sub(rb_vec_of(triangle->v[1]), corner);
     struct rb_vec edge2 = rb_vec_sub(rb_vec_of(triangle->v[2]), corner);
@@ -130,16 +124,18 @@ static inline vint triangle_hit(const struct rb_triangle *triangle, const struct
     vfloat vs = (vfloat)((vint)vv_dot(packet->d, q) ^ flip);
     vfloat slack =
         RB_EDGE_TOLERANCE * vv_reach(s) * rb_max(rb_vec_reach(edge1), rb_vec_reach(edge2));
-    vint inside =
-        passes & (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) & (area >= FLT_MIN);
+    vint inside = active & (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) &
+                  (area >= FLT_MIN) & ~own;
+    count_primitive(RB_COUNT_TRIANGLES, active, inside, sizeof *triangle);
     if (!vi_any(inside))
         return inside;
+    struct interval range = box(low, high, packet);
     vfloat inverse = 1.0f / area, zero = vf_set(0.0f), one = vf_set(1.0f);
     vfloat t = (vfloat)((vint)vv_dot(e2, q) ^ flip) * inverse;
     hit->u = vf_min(vf_max(us * inverse, zero), one);
     hit->v = vf_min(vf_max(vs * inverse, zero), one - hit->u);
     hit->t = vf_min(vf_max(t, range.near), range.far);
-    return inside;
+    return inside & (range.near <= range.far);
 }
 
 // Cones are rare: one ray after the other.
@@ -165,16 +161,20 @@ static vint cone_hit(const struct rb_scene *scene, uint32_t index, const struct 
 static inline vint primitive_hit(const struct rb_scene *scene, uint32_t id,
                                  const struct packet *packet, vint active, struct hits *hit)
 {
+    const struct rb_sphere *sphere = &scene->spheres[id];
+    const struct rb_triangle *triangle = &scene->triangles[id - scene->first[RB_TRIANGLE]];
     vint own = packet->self == vi_set(id), found;
+    float low[3], high[3];
     hit->prim = vi_set(id);
     hit->t = vf_set(0.0f);
     switch (rb_scene_kind(scene, id)) {
     case RB_SPHERE:
-        found = sphere_hit(&scene->spheres[id], packet, active, own, hit);
+        rb_sphere_bounds(sphere, low, high);
+        found = sphere_hit(sphere, low, high, packet, active, own, hit);
         break;
     case RB_TRIANGLE:
-        found = triangle_hit(&scene->triangles[id - scene->first[RB_TRIANGLE]], packet, active, own,
-                             hit);
+        rb_triangle_bounds(triangle, low, high);
+        found = triangle_hit(triangle, low, high, packet, active, own, hit);
         break;
     default:
         found = cone_hit(scene, id - scene->first[RB_CONE], packet, active, hit);
@@ -184,8 +184,8 @@ static inline vint primitive_hit(const struct rb_scene *scene, uint32_t id,
 }
 
 // rb_plane_hit
-static vint plane_hit(const struct rb_scene *scene, uint32_t index, const struct packet *packet,
-                      vint active, struct hits *hit)
+RB_INLINE vint plane_hit(const struct rb_scene *scene, uint32_t index, const struct packet *packet,
+                         vint active, struct hits *hit)
 {
     const struct rb_plane *plane = &scene->planes[index];
     struct vvec n = vv_set(plane->normal);
@@ -200,7 +200,7 @@ static vint plane_hit(const struct rb_scene *scene, uint32_t index, const struct
 }
 
 // Takes over the lanes of `found` that are closer, or as close with a lower id.
-static inline void keep_closest(struct hits *best, const struct hits *hit, vint found)
+RB_INLINE void keep_closest(struct hits *best, const struct hits *hit, vint found)
 {
     vint lower = (vint)((vuint)hit->prim < (vuint)best->prim);
     vint closer = found & ((hit->t < best->t) | ((hit->t == best->t) & lower));

@@ -33,9 +33,11 @@ void RB_TWIN(rb_scalar_generate)(const struct rb_view *view, const struct rb_spa
 {
     for (int by = span->y0; by < span->y1; by += RB_BLOCK)
         for (int bx = span->x0; bx < span->x1; bx += RB_BLOCK)
-            for (int y = by; y < by + RB_BLOCK && y < span->y1; y++)
-                for (int x = bx; x < bx + RB_BLOCK && x < span->x1; x++)
-                    generate_ray(view, x, y, span->sample, out);
+            for (int cy = by; cy < by + RB_BLOCK && cy < span->y1; cy += RB_CELL)
+                for (int cx = bx; cx < bx + RB_BLOCK && cx < span->x1; cx += RB_CELL)
+                    for (int y = cy; y < cy + RB_CELL && y < span->y1; y++)
+                        for (int x = cx; x < cx + RB_CELL && x < span->x1; x++)
+                            generate_ray(view, x, y, span->sample, out);
 }
 
 static void append_surface(struct rb_surfaces *out, const struct rb_contact *contact,

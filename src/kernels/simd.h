@@ -62,6 +62,14 @@ static inline void vi_store(uint32_t *to, vint v)
     memcpy(to, &v, sizeof v);
 }
 
+// One byte for each lane; values must fit.
+static inline void vi_store_bytes(uint8_t *to, vint v)
+{
+    typedef uint8_t bytes __attribute__((vector_size(RB_LANES)));
+    bytes narrow = __builtin_convertvector(v, bytes);
+    memcpy(to, &narrow, sizeof narrow);
+}
+
 static inline vint vi_select(vint mask, vint a, vint b)
 {
     return (mask & a) | (~mask & b);
@@ -168,6 +176,20 @@ static inline unsigned vi_bits(vint mask)
 
 #define VI_ALL_BITS ((1u << RB_LANES) - 1)
 
+// The even and the odd lanes of two vectors, one behind the other: 0, 2, ... of a, then of b.
+#if RB_LANES == 16
+#define VF_EVEN(a, b)                                                                              \
+    __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30)
+#define VF_ODD(a, b)                                                                               \
+    __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31)
+#elif RB_LANES == 8
+#define VF_EVEN(a, b) __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14)
+#define VF_ODD(a, b)  __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15)
+#else
+#define VF_EVEN(a, b) __builtin_shufflevector(a, b, 0, 2, 4, 6)
+#define VF_ODD(a, b)  __builtin_shufflevector(a, b, 1, 3, 5, 7)
+#endif
+
 static inline int vi_any(vint mask)
 {
     return vi_bits(mask) != 0;
@@ -186,6 +208,23 @@ static inline vint vi_lanes(void)
 static inline vint vi_first(uint32_t count)
 {
     return vi_lanes() < vi_set(count < RB_LANES ? count : RB_LANES);
+}
+
+// The least, the largest lane, in all lanes.
+static inline vfloat vf_min_lane(vfloat v)
+{
+#pragma GCC unroll 4
+    for (int lanes = RB_LANES; lanes > 1; lanes /= 2)
+        v = vf_min(VF_EVEN(v, v), VF_ODD(v, v));
+    return v;
+}
+
+static inline vfloat vf_max_lane(vfloat v)
+{
+#pragma GCC unroll 4
+    for (int lanes = RB_LANES; lanes > 1; lanes /= 2)
+        v = vf_max(VF_EVEN(v, v), VF_ODD(v, v));
+    return v;
 }
 
 // Stores the lanes of `bits` one behind the other; what it writes behind them, up to RB_LANES in
@@ -208,6 +247,27 @@ static inline unsigned vi_pack(uint32_t *to, vint v, unsigned bits)
 #endif
 }
 
+// 8 floats, or as many as a vector holds if it is shorter; the lanes beyond them mean nothing.
+static inline vfloat vf_load8(const float *from)
+{
+#if defined(__AVX512F__) && RB_LANES == 16
+    return _mm512_castps256_ps512(_mm256_loadu_ps(from));
+#else
+    vfloat v = {0};
+    memcpy(&v, from, RB_LANES < 8 ? sizeof v : 8 * sizeof *from);
+    return v;
+#endif
+}
+
+static inline void vf_store8(float *to, vfloat v)
+{
+#if defined(__AVX512F__) && RB_LANES == 16
+    _mm256_storeu_ps(to, _mm512_castps512_ps256(v));
+#else
+    memcpy(to, &v, RB_LANES < 8 ? sizeof v : 8 * sizeof *to);
+#endif
+}
+
 // Three-vectors, as base/vec.h.
 struct vvec {
     vfloat x, y, z;
@@ -226,6 +286,12 @@ static inline struct vvec vv_sub(struct vvec a, struct vvec b)
 static inline struct vvec vv_mad(struct vvec a, vfloat s, struct vvec b)
 {
     return (struct vvec){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+
+static inline struct vvec vv_select(vint mask, struct vvec a, struct vvec b)
+{
+    return (struct vvec){vf_select(mask, a.x, b.x), vf_select(mask, a.y, b.y),
+                         vf_select(mask, a.z, b.z)};
 }
 
 static inline vfloat vv_dot(struct vvec a, struct vvec b)
