@@ -35,8 +35,6 @@ static const struct rb_option options[] = {
      "count events in turn; what was counted follows the sample"},
     {"--energy", NULL, RB_OPTION_FLAG, BENCH(energy), 0, 0,
      "measure energy; it follows the sample"},
-    {"--energy", NULL, RB_OPTION_FLAG, BENCH(energy), 0, 0,
-     "measure energy; it follows the sample"},
     {"--quiet", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, quiet), 0, 0, "no warnings"},
     {.name = NULL},
 };
