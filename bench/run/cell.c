@@ -39,6 +39,8 @@ void rb_cell_release(struct rb_cell *cell)
     rb_free(cell->samples);
     rb_free(cell->counted);
     rb_free(cell->simulated);
+    rb_free(cell->hardware);
+    rb_free(cell->energy);
 }
 
 bool rb_cell_has_time(const struct rb_cell *cell)

@@ -32,10 +32,15 @@ struct rb_worker {
     struct rb_queues queues;
     struct rb_recorder recorder;
     struct rb_count_table counts;
+    struct rb_event_counter counter;
     uint64_t hits_hash;  // sum over all rays, so that their order cannot matter
     struct rb_span span; // in the making
     bool reports;        // calls frame->progress
 };
+
+// Before the first and after the last stage, in the worker's own thread.
+void rb_worker_begin(struct rb_worker *worker);
+void rb_worker_end(struct rb_worker *worker);
 
 // Ends a stage: everything since the last one was `stage` at `bounce`.
 void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint64_t rays);

@@ -30,8 +30,27 @@ void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, ui
     rb_probe_lap(&worker->recorder, stage, bounce, rays);
     if (frame->how.simulate_from)
         rb_simulate_lap(stage, bounce, rays);
+    if (frame->how.events && !frame->how.replay) {
+        rb_events_lap(&worker->counter, stage, bounce);
+        rb_probe_start(&worker->recorder); // reading them is no part of a frame
+    }
     if (frame->how.counts)
         rb_counts_take(&worker->counts.at[stage][bounce]);
+}
+
+void rb_worker_begin(struct rb_worker *worker)
+{
+    if (worker->frame->how.events)
+        rb_events_open(&worker->counter, worker->frame->how.event_group);
+    rb_probe_start(&worker->recorder);
+}
+
+void rb_worker_end(struct rb_worker *worker)
+{
+    if (worker->frame->how.simulate_from)
+        rb_simulate_stop();
+    if (worker->frame->how.events)
+        rb_events_close(&worker->counter);
 }
 
 static uint64_t hash_hits(const struct rb_rays *rays, const struct rb_hits *hits, uint32_t sample)
@@ -227,9 +246,8 @@ void rb_worker_run(struct rb_worker *worker)
     const struct rb_run_options *how = &worker->frame->how;
     fenv_t saved;
     rb_fpenv_enter(&saved);
-    rb_probe_start(&worker->recorder);
+    rb_worker_begin(worker);
     (how->replay ? rb_worker_replay : render_tiles)(worker);
-    if (how->simulate_from)
-        rb_simulate_stop();
+    rb_worker_end(worker);
     rb_fpenv_leave(&saved);
 }

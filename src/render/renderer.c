@@ -191,6 +191,8 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     for (int i = 0; i < count; i++) {
         renderer->workers[i].recorder = (struct rb_recorder){0};
         renderer->workers[i].counts = (struct rb_count_table){0};
+        if (options->events) // not all of them need take part
+            renderer->workers[i].counter.table = (struct rb_event_table){.cost_ticks = 0};
         renderer->workers[i].hits_hash = 0;
     }
     rb_film_clear(&frame->film);
@@ -210,6 +212,8 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
         result->hits_hash += renderer->workers[i].hits_hash;
         if (options->counts)
             add_counts(options->counts, &renderer->workers[i].counts);
+        if (options->events)
+            rb_event_table_add(options->events, &renderer->workers[i].counter.table);
     }
     result->image_hash = image_hash(frame);
     rb_fpenv_leave(&saved);

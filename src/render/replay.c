@@ -243,6 +243,9 @@ void rb_worker_replay(struct rb_worker *worker)
         call.index = next % count;
         run_call(worker, &call);
     }
+    // One kernel at one bounce is all there was: reading them once is enough, and costs nothing.
+    if (frame->how.events && count)
+        rb_events_lap(&worker->counter, call.replay->kernel, call.replay->batches[0].bounce);
 }
 
 size_t rb_replay_group_end(const struct rb_replay *replay, size_t first)
