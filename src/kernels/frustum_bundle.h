@@ -63,7 +63,9 @@ static inline uint64_t bundle_packets(const struct bundle *bundle)
 // safe_inverse.
 static inline void signs_of(struct vvec d, unsigned signs[3])
 {
-    signs[0] = vi_bits((vint)d.x), signs[1] = vi_bits((vint)d.y), signs[2] = vi_bits((vint)d.z);
+    signs[0] = vi_bits((vint)d.x < 0);
+    signs[1] = vi_bits((vint)d.y < 0);
+    signs[2] = vi_bits((vint)d.z < 0);
 }
 
 // Adds a packet with rays in all lanes.
