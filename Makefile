@@ -82,12 +82,14 @@ UNIT     := $(UNIT_SRC:%.c=$(B)/%)
 TEST_OBJ := $(patsubst %.c,$(B)/%.o,$(sort $(wildcard tests/support/*.c)))
 
 PLANS    := $(sort $(wildcard bench/plans/*.plan))
+EVENTS   := $(sort $(wildcard bench/events/*.events))
+ENERGIES := $(sort $(wildcard bench/energy/*.energy))
 
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench explain table simulate versus selftest overhead gate baseline regress selftest-gate \
-  test unit exact check fuzz setup install clean help force
+.PHONY: all bench explain table simulate versus perf perf-stat asm selftest overhead gate baseline \
+  regress selftest-gate test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -109,9 +111,21 @@ SCENE    ?= balls_high
 simulate: all
 	$(B)/raybench simulate $(SCENE) $(if $(VARIANT),--variant $(VARIANT)) $(SIMULATE)
 
-## versus: our best rows against Embree's best modes, half an hour (VERSUS="balls_high --budget 1m")
+## versus: our best rows against Embree's best modes, an hour (VERSUS="balls_high --budget 1m")
 versus: all
 	$(B)/raybench versus $(VERSUS)
+
+## perf: hottest functions and lines of a kernel, flame graph (SCENE= VARIANT=bvh KERNEL=trace)
+perf: all
+	@RAYBENCH=$(B)/raybench SCENE=$(SCENE) VARIANT=$(VARIANT) KERNEL=$(KERNEL) BOUNCE=$(BOUNCE) scripts/perf
+
+## perf-stat: what perf counts of a kernel of each row, beside our times (VARIANT="bvh packet")
+perf-stat: all
+	@RAYBENCH=$(B)/raybench SCENE=$(SCENE) VARIANT="$(VARIANT)" KERNEL=$(KERNEL) BOUNCE=$(BOUNCE) scripts/perf-stat
+
+## asm: the machine code of one kernel (VARIANT=bvh KERNEL=trace)
+asm: all
+	@RAYBENCH=$(B)/raybench VARIANT=$(VARIANT) KERNEL=$(KERNEL) scripts/asm
 
 ## selftest: verdicts on the program against itself, and on known slow-downs; three minutes
 selftest: all
@@ -175,6 +189,8 @@ install: all
 	install -D -m 644 $(B)/completions.zsh "$(SHARE)/zsh/site-functions/_raybench"
 	install -D -m 644 $(B)/completions.fish "$(SHARE)/fish/vendor_completions.d/raybench.fish"
 	$(if $(PLANS),install -D -m 644 -t "$(SHARE)/raybench/plans" $(PLANS))
+	install -D -m 644 -t "$(SHARE)/raybench/events" $(EVENTS)
+	install -D -m 644 -t "$(SHARE)/raybench/energy" $(ENERGIES)
 
 ## clean: remove build/
 clean:

@@ -27,8 +27,9 @@ const struct rb_command rb_command_explain = {
     .positional_min = 1,
     .positional_max = 16,
     .groups = (const struct rb_option *const[]){rb_options_cells, rb_options_timing,
-                                                rb_options_simulation, rb_options_keeping,
-                                                rb_options_settings, rb_options_strict, NULL},
+                                                rb_options_simulation, rb_options_hardware,
+                                                rb_options_keeping, rb_options_settings,
+                                                rb_options_strict, NULL},
     .run = run,
 };
 
@@ -48,7 +49,7 @@ static int print(const struct rb_run *run, bool partial)
     rb_simulate_print_caches(&run->caches);
     for (int i = 0; i < run->unit_count; i++)
         rb_explain_print_table(&run->plan->cells[i]);
-    rb_explain_print_notes();
+    rb_explain_print_notes(run->plan->arguments.bench.energy_model ? &run->model : NULL);
     rb_explain_print_rates(run->plan);
     for (int i = 0; i < run->unit_count; i++)
         rb_explain_print_words(&run->plan->cells[i], baseline_of(run, &run->plan->cells[i]));
@@ -59,10 +60,15 @@ static int print(const struct rb_run *run, bool partial)
 
 static int run(const struct rb_arguments *arguments)
 {
-    static const struct rb_session_kind kind = {
-        .defaults = "measure = time,count,simulate\nvariants = naive,bvh,packet\n",
-        .print = print,
-    };
+    static struct rb_event_file events; // too large for the stack
+    static const char plain[] = "measure = time,count,simulate\nvariants = "
+                                "naive,bvh,packet\nenergy-model = horowitz14-45nm\n";
+    static const char hardware[] = "measure = time,count,simulate,hardware\nvariants = "
+                                   "naive,bvh,packet\nenergy-model = horowitz14-45nm\n";
+    struct rb_error ignored = {0};
+    bool pmu = rb_event_file_choose(rb_hardware_root(), NULL, &events, &ignored) == RB_OK &&
+               strcmp(rb_event_file_source(&events), "pmu") == 0;
+    const struct rb_session_kind kind = {.defaults = pmu ? hardware : plain, .print = print};
     rb_simulate_mask();
     return rb_session_run(&kind, arguments);
 }

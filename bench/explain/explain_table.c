@@ -1,6 +1,8 @@
 #include "bench/explain/explain_table.h"
 
+#include "bench/explain/hardware_table.h"
 #include "bench/explain/place.h"
+#include "bench/explain/wrap.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,10 +11,10 @@ static const struct {
     const char *title;
     int width;
 } columns[] = {
-    {"rays", 8},    {"ns/ray", 8},    {"time %", 6},  {"nodes", 6},   {"boxes", 7},
-    {"prims", 6},   {"steps", 7},     {"lanes %", 7}, {"instr.", 8},  {"L1 miss", 8},
-    {"LL miss", 8}, {"br. miss", 8},  {"compute", 7}, {"c.stall", 7}, {"m.stall", 7},
-    {"other", 6},   {"instr./ns", 9},
+    {"rays", 8},    {"ns/ray", 8},    {"time %", 6},   {"nodes", 6},   {"boxes", 7},
+    {"prims", 6},   {"steps", 7},     {"lanes %", 7},  {"instr.", 8},  {"L1 miss", 8},
+    {"LL miss", 8}, {"br. miss", 8},  {"compute", 7},  {"c.stall", 7}, {"m.stall", 7},
+    {"other", 6},   {"instr./ns", 9}, {"nJ model", 8},
 };
 
 enum { COLUMN_COUNT = sizeof columns / sizeof *columns };
@@ -44,10 +46,11 @@ static void print_place(const struct rb_place *p)
         p->events.ll_misses,
         p->events.branch_misses,
         p->events.compute_pct,
-        (double)NAN, // no simulator of this kind sees compute stalls
+        p->compute_stall_pct,
         p->events.memory_stall_pct,
         p->events.other_pct,
         p->instructions_per_ns,
+        p->model_nj,
     };
     printf("  %-12s %6d", rb_stage_names[p->stage], p->bounce);
     for (int c = 0; c < COLUMN_COUNT; c++)
@@ -68,6 +71,10 @@ void rb_explain_print_table(const struct rb_cell *cell)
                 struct rb_place place = rb_place_of(cell, (enum rb_stage)stage, bounce);
                 print_place(&place);
             }
+    if (cell->hardware) {
+        printf("  counted in frames of a process of its own:\n");
+        rb_hardware_table_print(cell->hardware);
+    }
 }
 
 // True if the place has a rate that no processor has, which is then told.
@@ -105,8 +112,9 @@ void rb_explain_print_rates(const struct rb_plan *plan)
                low, high);
 }
 
-void rb_explain_print_notes(void)
+void rb_explain_print_notes(const struct rb_energy_model *model)
 {
+    char text[640];
     printf(
         "\nmeasured   ns/ray: median over processes; time %%: share of the frame's thread time\n"
         "count      per ray, exact: inner nodes visited, boxes and primitives tested; steps:\n"
@@ -126,4 +134,10 @@ void rb_explain_print_notes(void)
         "           clock in GHz it is instructions a cycle. The simulator sees neither overlap\n"
         "           nor prefetching, and its branch predictor is a simple one, so a kernel may\n"
         "           be faster than its modelled cycles.\n");
+    if (!model)
+        return;
+    rb_energy_model_describe(model, text);
+    printf("nJ model   energy a ray\n");
+    rb_wrap_print(11, text);
+    rb_wrap_print(11, model->prose);
 }

@@ -7,8 +7,8 @@
 // The kernel x bounce table of a cell: time, counts, simulated events, modelled categories.
 void rb_explain_print_table(const struct rb_cell *cell);
 
-// What the columns and the categories are, and what the numbers cannot say.
-void rb_explain_print_notes(void);
+// What the columns and the categories are, and what the numbers cannot say. `model` may be NULL.
+void rb_explain_print_notes(const struct rb_energy_model *model);
 
 // Whether the instructions simulated and the time measured fit each other, and where not.
 void rb_explain_print_rates(const struct rb_plan *plan);

@@ -3,18 +3,17 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/explain/explain_table.h"
 #include "bench/explain/place.h"
+#include "bench/explain/wrap.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { LINE = 96 };
-
-// Three digits or more, but no exponent.
+// Three digits or more, but no exponent; ? for what is not known.
 static const char *format(double value, char text[24])
 {
-    snprintf(text, 24, value >= 1000 ? "%.0f" : "%.3g", value);
+    snprintf(text, 24, isnan(value) ? "?" : value >= 1000 ? "%.0f" : "%.3g", value);
     return text;
 }
 
@@ -78,13 +77,18 @@ static void say_categories(FILE *out, const struct rb_place *hot)
     char l1[24], ll[24], branches[24];
     if (isnan(e->compute_pct))
         return;
+    fprintf(out, "Of the %s cycles %.0f %% are instructions, ",
+            hot->measured ? "measured" : "modelled", e->compute_pct);
+    if (hot->measured)
+        fprintf(out, "%.0f %% wait for results, ", hot->compute_stall_pct);
     fprintf(out,
-            "Of the modelled cycles %.0f %% are instructions, %.0f %% wait for memory (%s misses "
-            "of L1 a ray, %s of the last level), %.0f %% are other, mostly mispredicted branches "
-            "(%s a ray). ",
-            e->compute_pct, e->memory_stall_pct, format(e->l1_misses, l1), format(e->ll_misses, ll),
-            e->other_pct, format(e->branch_misses, branches));
-    if (e->memory_stall_pct >= DOMINANT)
+            "%.0f %% wait for memory (%s misses of L1 a ray, %s of the last level), %.0f %% are "
+            "other, mostly mispredicted branches (%s a ray). ",
+            e->memory_stall_pct, format(e->l1_misses, l1), format(e->ll_misses, ll), e->other_pct,
+            format(e->branch_misses, branches));
+    if (hot->measured && hot->compute_stall_pct >= DOMINANT)
+        fprintf(out, "It is bound by waiting for results: more rays at once would fill the gaps. ");
+    else if (e->memory_stall_pct >= DOMINANT)
         fprintf(out, "It is bound by memory: smaller nodes, or rays in another order. ");
     else if (e->other_pct >= DOMINANT)
         fprintf(out, "It is bound by branches: decide for more rays or boxes at once. ");
@@ -141,6 +145,23 @@ static void say_growth(FILE *out, const struct rb_cell *cell, const struct rb_pl
     fprintf(out, ". ");
 }
 
+static void say_energy(FILE *out, const struct rb_cell *cell, const struct rb_place *hot)
+{
+    char nj[24];
+    double all = 0;
+    for (int stage = 0; stage < RB_KERNEL_COUNT && isfinite(hot->model_nj); stage++)
+        for (int bounce = 0; bounce < RB_BOUNCE_MAX; bounce++) {
+            struct rb_place place = rb_place_of(cell, (enum rb_stage)stage, bounce);
+            all += isfinite(place.model_nj) ? place.rays * place.model_nj : 0;
+        }
+    if (all > 0)
+        fprintf(out,
+                "By %s a ray takes %s nJ there, %.0f %% of the energy of all kernels, and %.0f %% "
+                "of that moves data. ",
+                cell->energy_model->label, format(hot->model_nj, nj),
+                100 * hot->rays * hot->model_nj / all, hot->model_moved_pct);
+}
+
 // What the row brings over the one it builds on, in the same place.
 static void say_gain(FILE *out, const struct rb_cell *base, const struct rb_place *hot)
 {
@@ -172,22 +193,6 @@ static void say_rate(FILE *out, const struct rb_place *hot)
                 rate);
 }
 
-static void print_wrapped(const char *text)
-{
-    printf("\n");
-    while (*text) {
-        size_t length = strlen(text);
-        if (length > LINE) {
-            length = LINE;
-            while (length > 1 && text[length] != ' ')
-                length--;
-        }
-        printf("%.*s\n", (int)length, text);
-        text += length;
-        text += strspn(text, " ");
-    }
-}
-
 void rb_explain_print_words(const struct rb_cell *cell, const struct rb_cell *base)
 {
     struct rb_place hot;
@@ -200,10 +205,12 @@ void rb_explain_print_words(const struct rb_cell *cell, const struct rb_cell *ba
     say_work(out, &hot);
     say_categories(out, &hot);
     say_growth(out, cell, &hot);
+    say_energy(out, cell, &hot);
     if (base)
         say_gain(out, base, &hot);
     say_rate(out, &hot);
     fclose(out);
-    print_wrapped(text);
+    printf("\n");
+    rb_wrap_print(0, text);
     free(text);
 }

@@ -41,6 +41,42 @@ static void add_simulated(const struct rb_cell *cell, struct rb_place *place)
         place->instructions_per_ns = place->events.instructions / simulated->native_ns_per_ray;
 }
 
+// What moves data is what would be saved if all of it were in the L1 cache, and nothing accessed.
+static void add_energy(const struct rb_cell *cell, struct rb_place *place)
+{
+    static const enum rb_sim_event moves[] = {RB_SIM_DR,   RB_SIM_DW,   RB_SIM_D1MR, RB_SIM_D1MW,
+                                              RB_SIM_ILMR, RB_SIM_DLMR, RB_SIM_DLMW};
+    struct rb_simulated_place at_rest = cell->simulated->place[place->stage][place->bounce];
+    double joules = rb_energy_model_joules(cell->energy_model, &at_rest);
+    for (size_t i = 0; i < sizeof moves / sizeof *moves; i++)
+        at_rest.events[moves[i]] = 0;
+    place->model_nj = 1e9 * joules;
+    place->model_moved_pct =
+        100 * (1 - rb_energy_model_joules(cell->energy_model, &at_rest) / joules);
+}
+
+// In place of what was simulated, where hardware tells the categories.
+static void add_hardware(const struct rb_cell *cell, struct rb_place *place)
+{
+    const struct rb_hardware *hardware = cell->hardware;
+    struct rb_hardware_figures f = rb_hardware_figures(hardware, place->stage, place->bounce);
+    place->measured = isfinite(f.compute_pct);
+    if (!place->measured)
+        return;
+    place->events = (struct rb_simulated_figures){
+        .instructions = rb_hardware_value(hardware, &f, "instructions"),
+        .l1_misses = rb_hardware_value(hardware, &f, "l1d_misses"),
+        .ll_misses = rb_hardware_value(hardware, &f, "llc_misses"),
+        .branch_misses = rb_hardware_value(hardware, &f, "branch_misses"),
+        .cycles = rb_hardware_value(hardware, &f, "cycles"),
+        .compute_pct = f.compute_pct,
+        .memory_stall_pct = f.memory_stall_pct,
+        .other_pct = f.other_pct,
+    };
+    place->compute_stall_pct = f.compute_stall_pct;
+    place->instructions_per_ns = place->events.instructions / place->ns;
+}
+
 struct rb_place rb_place_of(const struct rb_cell *cell, enum rb_stage stage, int bounce)
 {
     const double none = (double)NAN;
@@ -58,12 +94,19 @@ struct rb_place rb_place_of(const struct rb_cell *cell, enum rb_stage stage, int
         .lane_use_pct = none,
         .lanes = none,
         .events = {none, none, none, none, none, none, none, none},
+        .compute_stall_pct = none,
         .instructions_per_ns = none,
+        .model_nj = none,
+        .model_moved_pct = none,
     };
     if (cell->counted)
         add_counts(cell, &place);
     if (cell->simulated)
         add_simulated(cell, &place);
+    if (cell->simulated && cell->energy_model)
+        add_energy(cell, &place);
+    if (cell->hardware)
+        add_hardware(cell, &place);
     return place;
 }
 

@@ -13,8 +13,11 @@ struct rb_place {
     double nodes, boxes, primitives;    // counted
     double steps, lanes_active;         // counted
     double lane_use_pct, lanes;         // counted; lanes a step has
-    struct rb_simulated_figures events; // simulated
-    double instructions_per_ns;         // of the tiles that were simulated
+    bool measured;                      // are events and categories those of hardware?
+    struct rb_simulated_figures events; // simulated, or counted by hardware
+    double compute_stall_pct;           // of hardware alone
+    double instructions_per_ns;         // of the same tiles, or places
+    double model_nj, model_moved_pct;   // modelled energy, and the share of it that moves data
 };
 
 // Is there anything to know: does the frame have such rays?

@@ -13,7 +13,7 @@ static int run(const struct rb_arguments *arguments);
 
 static const struct rb_option options[] = {
     {"--format", "NAME", RB_OPTION_TEXT, offsetof(struct rb_arguments, bench.format), 0, 0,
-     "google-benchmark, benchfmt, hyperfine or markdown (default)"},
+     "google-benchmark, benchfmt, hyperfine, scaling or markdown (default)"},
     {"-o", "FILE", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
      "file to write; default: standard output"},
     {.name = NULL},
@@ -28,6 +28,8 @@ const struct rb_command rb_command_export = {
         "  google-benchmark  JSON that Google Benchmark's compare.py reads\n"
         "  benchfmt          Go's benchmark format, which benchstat reads\n"
         "  hyperfine         JSON as of hyperfine --export-json: the times of whole frames\n"
+        "  scaling           how time per ray grows with the primitives of generated scenes:\n"
+        "                    ns for ten times as many, power of the number, R^2 of either line\n"
         "  markdown          tables to read: frames, then time per ray by kernel and bounce\n\n"
         "Every process that measured counts as one sample, the median of its repetitions; in\n"
         "hyperfine's format every frame does. Kernels with a bounce are given per ray, all else\n"
@@ -39,10 +41,9 @@ const struct rb_command rb_command_export = {
 };
 
 static const struct rb_export_format formats[] = {
-    {"markdown", false, rb_export_markdown},
-    {"google-benchmark", true, rb_export_google},
-    {"benchfmt", true, rb_export_benchfmt},
-    {"hyperfine", true, rb_export_hyperfine},
+    {"markdown", false, rb_export_markdown}, {"google-benchmark", true, rb_export_google},
+    {"benchfmt", true, rb_export_benchfmt},  {"hyperfine", true, rb_export_hyperfine},
+    {"scaling", false, rb_export_scaling},
 };
 
 static const struct rb_export_format *find_format(const char *name)

@@ -75,6 +75,7 @@ enum rb_status rb_export_hyperfine(const struct rb_export *result, FILE *out,
                                    struct rb_error *error);
 enum rb_status rb_export_markdown(const struct rb_export *result, FILE *out,
                                   struct rb_error *error);
+enum rb_status rb_export_scaling(const struct rb_export *result, FILE *out, struct rb_error *error);
 
 // Loads a result folder. RB_INVALID: it is none, or damaged. On failure there is nothing to free.
 enum rb_status rb_export_load(const char *folder, bool wants_samples, struct rb_export *result,

@@ -8,6 +8,7 @@
 #include "bench/replay/source.h"
 #include "bench/run/process.h"
 #include "bench/run/reference.h"
+#include "bench/run/session.h"
 #include "bench/run/simulate_cell.h"
 #include "cli/commands.h"
 #include "measure/affinity.h"
@@ -26,9 +27,10 @@ static const struct rb_option options[] = {
      "time for each kernel and bounce, and for the frames next to them; default 1"},
     {"--processes", "N", RB_OPTION_INT, BENCH(processes), 1, 1000,
      "processes it is shared among; default 6, the fewest with a 95 % interval"},
-    {"--mode", "time|count|simulate", RB_OPTION_TEXT, BENCH(mode), 0, 0,
-     "what to find out: time; exact counts of what the kernels do; or instructions and misses, "
-     "from valgrind, of some of the batches; default time"},
+    {"--mode", "time|count|simulate|hardware|energy", RB_OPTION_TEXT, BENCH(mode), 0, 0,
+     "what to find out: time; exact counts of what the kernels do; instructions and misses, from "
+     "valgrind, of some of the batches; what the processor's counters say; or its energy, as "
+     "--energy; default time"},
     {"--l1", "SIZE,WAYS", RB_OPTION_TEXT, BENCH(l1), 0, 0,
      "simulated L1 data cache, such as 32K,8; default: this machine's"},
     {"--ll", "SIZE,WAYS", RB_OPTION_TEXT, BENCH(ll), 0, 0,
@@ -54,7 +56,8 @@ const struct rb_command rb_command_replay = {
             "turn; their ratio is that of neighbours in time.",
     .positional_min = 1,
     .positional_max = 1,
-    .groups = (const struct rb_option *const[]){options, rb_options_choice, NULL},
+    .groups =
+        (const struct rb_option *const[]){options, rb_options_choice, rb_options_hardware, NULL},
     .run = run,
 };
 
@@ -275,7 +278,11 @@ typedef int mode_fn(struct rb_replay_run *run, const struct rb_arguments *argume
 static const struct {
     const char *name;
     mode_fn *run;
-} modes[] = {{"time", measure_times}, {"count", rb_replay_count}, {"simulate", rb_replay_simulate}};
+} modes[] = {{"time", measure_times},
+             {"count", rb_replay_count},
+             {"simulate", rb_replay_simulate},
+             {"hardware", rb_replay_hardware},
+             {"energy", rb_replay_energy}};
 
 // NULL after reporting an unknown name.
 static mode_fn *find_mode(const char *name)
@@ -284,7 +291,8 @@ static mode_fn *find_mode(const char *name)
     for (size_t i = 0; i < sizeof modes / sizeof *modes; i++)
         if (strcmp(name ? name : modes[0].name, modes[i].name) == 0)
             return modes[i].run;
-    rb_error_set(&error, RB_INVALID, "--mode %.64s: there are time, count, simulate", name);
+    rb_error_set(&error, RB_INVALID,
+                 "--mode %.64s: there are time, count, simulate, hardware, energy", name);
     rb_report(RB_INVALID, &error);
     return NULL;
 }
@@ -293,7 +301,7 @@ static int measure(struct rb_replay_run *run, const struct rb_arguments *argumen
 {
     struct rb_error error = {0};
     struct rb_scene scene;
-    mode_fn *mode = find_mode(arguments->bench.mode);
+    mode_fn *mode = find_mode(arguments->bench.energy ? "energy" : arguments->bench.mode);
     if (mode == rb_replay_simulate)
         rb_simulate_mask();
     const struct rb_variant *variant = mode ? rb_replay_variant(arguments) : NULL;

@@ -2,7 +2,11 @@
 #include "bench/replay/replay_worker.h"
 
 #include "base/hash.h"
+#include "bench/energy/energy.h"
+#include "bench/hardware/hardware.h"
 #include "bench/replay/source.h"
+#include "bench/run/energy_measure.h"
+#include "bench/run/hardware_measure.h"
 #include "bench/run/repeat.h"
 #include "cli/commands.h"
 #include "measure/simulate.h"
@@ -19,9 +23,17 @@ static int run(const struct rb_arguments *arguments);
 static const struct rb_option options[] = {
     {"--slice", "S", RB_OPTION_NUMBER, BENCH(slice_s), 0, 1e6, "seconds the process may take"},
     {"--cpu", "N", RB_OPTION_INT, BENCH(cpu), -1, 65535, "processor to stay on; -1: any"},
+    {"--threads", "N", RB_OPTION_INT, offsetof(struct rb_arguments, settings.threads), 1,
+     RB_THREADS_MAX, "threads that share the batches; default 1"},
     {"--process", "N", RB_OPTION_INT, BENCH(process), 0, 1e6, "round, for the samples"},
     {"--simulate-batches", "N", RB_OPTION_INT, BENCH(simulate_tiles), 0, 1e9,
      "two rounds over so many batches, the second one as laps of a simulator"},
+    {"--events", "NAME|FILE", RB_OPTION_TEXT, BENCH(events), 0, 0,
+     "count events in turn; what was counted follows the sample"},
+    {"--energy", NULL, RB_OPTION_FLAG, BENCH(energy), 0, 0,
+     "measure energy; it follows the sample"},
+    {"--perf-control", "FIFO", RB_OPTION_TEXT, BENCH(perf_control), 0, 0,
+     "repeat until --slice is over; perf --control fifo:FIFO is enabled for that alone"},
     {.name = NULL},
 };
 
@@ -39,7 +51,8 @@ const struct rb_command rb_command_replay_worker = {
 
 // A repetition goes over the batches until it has taken as long as this: a clock reading and a
 // preemption are then a small part of it.
-enum { REPETITION_NS = 2000000 };
+// Events and energy are read less often: hashing the image in between is to be small as well.
+enum { REPETITION_NS = 2000000, MORE_NS = 50000000 };
 
 static const double VERIFY_SHARE = 0.3; // of the time, at most
 
@@ -49,9 +62,9 @@ static const double VERIFY_SHARE = 0.3; // of the time, at most
 static const double DIFFER_MOST = 0.005;
 
 // Rounds that make a repetition, from how long one took.
-static uint32_t choose_rounds(uint64_t round_ns)
+static uint32_t choose_rounds(uint64_t least_ns, uint64_t round_ns)
 {
-    uint64_t rounds = REPETITION_NS / (round_ns ? round_ns : 1);
+    uint64_t rounds = least_ns / (round_ns ? round_ns : 1);
     return rounds < 1 ? 1 : rounds > 1000000 ? 1000000 : (uint32_t)rounds;
 }
 
@@ -124,10 +137,37 @@ static enum rb_status verify(struct rb_repeater *repeater, struct rb_replay_sour
     return status;
 }
 
+// Says a word to perf.
+static enum rb_status tell_perf(const char *fifo, const char *word, struct rb_error *error)
+{
+    FILE *file = fopen(fifo, "w");
+    bool told = file && fputs(word, file) >= 0;
+    if (file && fclose(file) == 0 && told)
+        return RB_OK;
+    return rb_error_set(error, RB_FAILED, "cannot tell perf to %.7s: no such pipe?", word);
+}
+
+// Rounds until --slice is over, of which perf takes samples.
+static enum rb_status sample(struct rb_repeater *repeater, struct rb_replay_source *source,
+                             const struct rb_bench_arguments *bench, uint64_t round_ns,
+                             struct rb_error *error)
+{
+    struct rb_run_result result;
+    source->replay.rounds = choose_rounds((uint64_t)(bench->slice_s * 1e9), round_ns);
+    enum rb_status status = tell_perf(bench->perf_control, "enable\n", error);
+    uint64_t start_ns = rb_clock_ns();
+    while (status == RB_OK && (double)(rb_clock_ns() - start_ns) < bench->slice_s * 1e9)
+        rb_repeater_measure(repeater, &result);
+    if (status == RB_OK)
+        status = tell_perf(bench->perf_control, "disable\n", error);
+    return status ? status : rb_repeater_send(repeater, error);
+}
+
 // The first round says how many make a repetition. Where there is no time for a second one, it is
 // the only repetition.
 static enum rb_status measure(struct rb_repeater *repeater, struct rb_replay_source *source,
-                              bool exact, struct rb_error *error)
+                              bool exact, const struct rb_bench_arguments *bench,
+                              struct rb_error *error)
 {
     struct rb_run_result result;
     size_t count = source->replay.count;
@@ -136,10 +176,20 @@ static enum rb_status measure(struct rb_repeater *repeater, struct rb_replay_sou
     if (status)
         return status;
     rb_repeater_measure(repeater, &result);
+    if (bench->events || bench->energy) {
+        source->replay.rounds = choose_rounds(MORE_NS, result.wall_ns);
+        status = rb_repeater_send(repeater, error);
+        if (status == RB_OK)
+            status = bench->events ? rb_hardware_measure(repeater, bench->events, error)
+                                   : rb_energy_measure(repeater, bench->bounce, error);
+        return status;
+    }
+    if (bench->perf_control)
+        return sample(repeater, source, bench, result.wall_ns, error);
     if (rb_clock_ns() + result.wall_ns - repeater->start_ns > (uint64_t)(repeater->slice_s * 1e9))
         return rb_repeater_send(repeater, error);
     if (source->replay.count == count) // repetitions of a sample are one round: it can be told
-        source->replay.rounds = choose_rounds(result.wall_ns);
+        source->replay.rounds = choose_rounds(REPETITION_NS, result.wall_ns);
     rb_repeater_warm_up(repeater);
     return rb_repeater_run(repeater, error);
 }
@@ -158,6 +208,17 @@ static enum rb_status simulate(struct rb_repeater *repeater, struct rb_replay_so
     rb_repeater_measure(repeater, &result);
     rb_simulate_end(0, row);
     return rb_repeater_send(repeater, error);
+}
+
+// A record has what was asked for, also where there is nothing to measure.
+static void complete_record(const struct rb_bench_arguments *bench)
+{
+    static const struct rb_hardware no_events;
+    const struct rb_energy_span no_energy = {.units = 0};
+    if (bench->events)
+        rb_repeater_write(&no_events, sizeof no_events, NULL);
+    else if (bench->energy)
+        rb_repeater_write(&no_energy, sizeof no_energy, NULL);
 }
 
 static int run(const struct rb_arguments *arguments)
@@ -185,7 +246,10 @@ static int run(const struct rb_arguments *arguments)
         status = simulate(&repeater, &source, (size_t)arguments->bench.simulate_tiles,
                           rb_replay_variant(arguments)->name, &error);
     else
-        status = measure(&repeater, &source, rb_replay_variant(arguments)->exact, &error);
+        status = measure(&repeater, &source, rb_replay_variant(arguments)->exact, &arguments->bench,
+                         &error);
+    if (repeater.sample.mismatch)
+        complete_record(&arguments->bench);
     rb_replay_source_close(&source);
     return status ? rb_report(status, &error) : 0;
 }

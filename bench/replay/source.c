@@ -93,17 +93,21 @@ int rb_record_open_scene(const struct rb_record *record, const char *path,
 }
 
 static enum rb_status make_renderer(struct rb_replay_source *source,
-                                    const struct rb_record_choice *choice,
-                                    const struct rb_variant *variant, struct rb_error *error)
+                                    const struct rb_record_choice *choice, int threads,
+                                    struct rb_error *error)
 {
+    struct rb_settings settings = source->record.header.settings;
+    settings.threads = threads;
+    if (threads > 1)
+        source->row.schedule = rb_schedule_openmp;
     source->replay = (struct rb_replay){
         .kernel = choice->kernel,
         .batches = source->record.batches.data,
         .count = source->record.batches.count,
         .rounds = 1,
     };
-    enum rb_status status = rb_renderer_create(
-        &source->scene, variant, &source->record.header.settings, &source->renderer, error);
+    enum rb_status status =
+        rb_renderer_create(&source->scene, &source->row, &settings, &source->renderer, error);
     if (status == RB_OK)
         status = rb_replay_check(source->renderer, &source->replay, error);
     return status;
@@ -125,7 +129,8 @@ int rb_replay_source_open(const char *path, const struct rb_record_choice *choic
         rb_record_free(&source->record);
         return code;
     }
-    status = make_renderer(source, choice, variant, &error);
+    source->row = *variant;
+    status = make_renderer(source, choice, arguments->settings.threads, &error);
     if (status == RB_OK)
         return 0;
     rb_replay_source_close(source);

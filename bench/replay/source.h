@@ -28,12 +28,14 @@ int rb_record_open_scene(const struct rb_record *record, const char *path,
 
 struct rb_replay_source {
     struct rb_record record;
+    struct rb_variant row; // whose kernels are replayed, by --threads of them
     struct rb_scene scene;
     struct rb_renderer *renderer;
     struct rb_replay replay; // one round of the batches, which fit the renderer
 };
 
-// Opens what `choice` picks from the record `path` for arguments->variant. Returns the exit code,
+// Opens what `choice` picks from the record `path` for arguments->variant and settings.threads (0:
+// one thread). The source must stay where it is. Returns the exit code,
 // having reported what is wrong; nothing is left to close then.
 int rb_replay_source_open(const char *path, const struct rb_record_choice *choice,
                           const struct rb_arguments *arguments, struct rb_replay_source *source);

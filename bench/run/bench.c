@@ -12,7 +12,7 @@ static int run(const struct rb_arguments *arguments);
 
 static const struct rb_option options[] = {
     {"--measure", "LIST", RB_OPTION_TEXT, offsetof(struct rb_arguments, bench.measure), 0, 0,
-     "time, count, simulate; default time,count"},
+     "time, count, simulate, hardware; default time,count"},
     {.name = NULL},
 };
 
@@ -39,8 +39,9 @@ const struct rb_command rb_command_bench = {
     .positional_min = 0,
     .positional_max = 16,
     .groups = (const struct rb_option *const[]){options, rb_options_cells, rb_options_timing,
-                                                rb_options_simulation, rb_options_keeping,
-                                                rb_options_settings, rb_options_strict, NULL},
+                                                rb_options_simulation, rb_options_hardware,
+                                                rb_options_keeping, rb_options_settings,
+                                                rb_options_strict, NULL},
     .run = run,
 };
 

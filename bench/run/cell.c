@@ -39,6 +39,8 @@ void rb_cell_release(struct rb_cell *cell)
     rb_free(cell->samples);
     rb_free(cell->counted);
     rb_free(cell->simulated);
+    rb_free(cell->hardware);
+    rb_free(cell->energy);
 }
 
 bool rb_cell_has_time(const struct rb_cell *cell)
@@ -155,10 +157,20 @@ static double place_ns_per_ray(const struct rb_sample *sample, const void *what)
     return rb_sample_has_stages(sample) && rays > 0 ? place_ns(sample, what) / rays : (double)NAN;
 }
 
-size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int bounce,
-                           double *times)
+static double wall_ns(const struct rb_sample *sample, const void *what)
 {
-    const struct place place = {stage, bounce};
+    (void)what;
+    return (double)sample->wall_ns;
+}
+
+static double wall_ns_per_ray(const struct rb_sample *sample, const void *what)
+{
+    return wall_ns(sample, NULL) / place_rays(sample, what);
+}
+
+static size_t process_p10(const struct rb_cell *cell, measure_fn *measure, const void *what,
+                          double *times)
+{
     const struct rb_sample *samples = cell->samples;
     size_t n = 0;
     if (!rb_cell_has_time(cell))
@@ -168,7 +180,7 @@ size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int 
         size_t count = 0;
         for (; end < cell->sample_count && samples[end].process == samples[first].process; end++)
             if (count < RB_REPETITIONS_MAX)
-                values[count++] = place_ns_per_ray(&samples[end], &place);
+                values[count++] = measure(&samples[end], what);
         if (isnan(values[0])) // a group of tiles without such rays
             return 0;
         times[n++] = rb_stats_quantile_lower(values, count, 0.1);
@@ -176,16 +188,22 @@ size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int 
     return n;
 }
 
+size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int bounce,
+                           double *times)
+{
+    return process_p10(cell, place_ns_per_ray, &(struct place){stage, bounce}, times);
+}
+
+size_t rb_cell_process_wall_p10(const struct rb_cell *cell, enum rb_stage stage, int bounce,
+                                double *times)
+{
+    return process_p10(cell, wall_ns_per_ray, &(struct place){stage, bounce}, times);
+}
+
 static double busy_ns(const struct rb_sample *sample, const void *what)
 {
     (void)what;
     return rb_sample_has_stages(sample) ? (double)rb_sample_busy_ns(sample) : (double)NAN;
-}
-
-static double wall_ns(const struct rb_sample *sample, const void *what)
-{
-    (void)what;
-    return (double)sample->wall_ns;
 }
 
 // The time of a group with perfectly shared work: its few tiles do not fill the threads evenly.

@@ -4,6 +4,9 @@
 #define RB_RUN_CELL_H
 
 #include "bench/data/stats.h"
+#include "bench/energy/energy.h"
+#include "bench/energy/model.h"
+#include "bench/hardware/hardware.h"
 #include "bench/run/sample.h"
 #include "bench/simulate/simulated.h"
 #include "render/counted.h"
@@ -47,10 +50,13 @@ struct rb_cell {
     double group_population;
     struct rb_sample *samples; // by process, then repetition
     size_t sample_count, sample_room;
-    uint32_t process_count;         // processes that have ended well
-    double cost_s;                  // wall time of the last of them
-    struct rb_counted *counted;     // NULL: not counted; its own, as the samples
-    struct rb_simulated *simulated; // NULL: not simulated; its own, as the samples
+    uint32_t process_count;                     // processes that have ended well
+    double cost_s;                              // wall time of the last of them
+    struct rb_counted *counted;                 // NULL: not counted; its own, as the samples
+    struct rb_simulated *simulated;             // NULL: not simulated; its own, as the samples
+    struct rb_hardware *hardware;               // NULL: not counted by hardware; its own
+    struct rb_energy *energy;                   // NULL: not measured; its own
+    const struct rb_energy_model *energy_model; // NULL: none
 };
 
 // A number over the repetitions and processes of a cell. NaN where it cannot be known.
@@ -71,6 +77,10 @@ struct rb_figure rb_cell_ns_per_ray(const struct rb_cell *cell, enum rb_stage st
 // `raybench compare` compares. `times` has room for one per sample. Returns how many there are.
 size_t rb_cell_process_p10(const struct rb_cell *cell, enum rb_stage stage, int bounce,
                            double *times);
+
+// The same of wall time, where threads share the rays of one stage at one bounce.
+size_t rb_cell_process_wall_p10(const struct rb_cell *cell, enum rb_stage stage, int bounce,
+                                double *times);
 
 struct rb_figure rb_cell_frame_ns(const struct rb_cell *cell); // wall time
 struct rb_figure rb_cell_build_ns(const struct rb_cell *cell);

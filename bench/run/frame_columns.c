@@ -1,5 +1,5 @@
 // The columns of frame.csv, one line per cell. Columns are only ever appended.
-#include "bench/run/columns.h"
+#include "bench/run/event_columns.h"
 
 #include <math.h>
 
@@ -146,5 +146,10 @@ const struct rb_column rb_frame_columns[] = {
     {"flags", rb_cell_flag_words},
     {"note", rb_cell_note_text},
     {"schema_version", rb_schema_version},
+    {"frame_j", rb_column_frame_j},
+    {"gross_frame_j", rb_column_gross_frame_j},
+    {"edp_js", rb_column_edp_js},
+    {"energy_source", rb_column_frame_energy_source},
+    {"energy_note", rb_column_frame_energy_note},
     {.name = NULL},
 };

@@ -1,5 +1,5 @@
 // The columns of kernels.csv. Columns are only ever appended.
-#include "bench/run/columns.h"
+#include "bench/run/event_columns.h"
 
 #include <math.h>
 
@@ -139,61 +139,6 @@ static struct rb_value steal_ms(const struct rb_line *line)
     return sum(line->cell, steal_of);
 }
 
-// What a simulator has seen of a kernel at a bounce; nothing where it was not simulated.
-static bool simulated(const struct rb_line *line, struct rb_simulated_figures *figures)
-{
-    if (!line->cell->simulated || !line->counts)
-        return false;
-    *figures = rb_simulated_figures(&line->cell->simulated->place[line->stage][line->bounce]);
-    return !isnan(figures->cycles);
-}
-
-#define SIMULATED(column, field)                                                                   \
-    static struct rb_value column(const struct rb_line *line)                                      \
-    {                                                                                              \
-        struct rb_simulated_figures figures;                                                       \
-        return simulated(line, &figures) ? rb_number(figures.field) : rb_none();                   \
-    }
-SIMULATED(instructions_per_ray, instructions)
-SIMULATED(l1d_misses_per_ray, l1_misses)
-SIMULATED(llc_misses_per_ray, ll_misses)
-SIMULATED(branch_misses_per_ray, branch_misses)
-SIMULATED(model_cycles_per_ray, cycles)
-SIMULATED(compute_pct, compute_pct)
-SIMULATED(memory_stall_pct, memory_stall_pct)
-SIMULATED(other_pct, other_pct)
-
-static struct rb_value counter_source(const struct rb_line *line)
-{
-    struct rb_simulated_figures figures;
-    return rb_text(simulated(line, &figures) ? RB_SIM_SOURCE : NULL);
-}
-
-static struct rb_value category_source(const struct rb_line *line)
-{
-    struct rb_simulated_figures figures;
-    return rb_text(simulated(line, &figures) ? RB_SIM_MODEL : NULL);
-}
-
-static struct rb_value simulated_rays(const struct rb_line *line)
-{
-    struct rb_simulated_figures figures;
-    return simulated(line, &figures)
-               ? rb_integer((int64_t)line->cell->simulated->place[line->stage][line->bounce].rays)
-               : rb_none();
-}
-
-// The text lives until the next call.
-static struct rb_value simulated_by(const struct rb_line *line)
-{
-    static char text[RB_SIMULATED_TEXT];
-    struct rb_simulated_figures figures;
-    if (!simulated(line, &figures))
-        return rb_none();
-    rb_simulated_describe(line->cell->simulated, text);
-    return rb_text(text);
-}
-
 // What a kernel did at a bounce, and for how many rays; nothing where it was not counted.
 static const struct rb_counts *counted(const struct rb_line *line, double *per_ray)
 {
@@ -250,13 +195,6 @@ static struct rb_value counted_rays(const struct rb_line *line)
                : rb_none();
 }
 
-// Filled by later kinds of runs.
-static struct rb_value later(const struct rb_line *line)
-{
-    (void)line;
-    return rb_none();
-}
-
 const struct rb_column rb_kernel_columns[] = {
     RB_KEY_COLUMNS,
     {"kernel", kernel},
@@ -283,23 +221,23 @@ const struct rb_column rb_kernel_columns[] = {
     {"migrations", migrations},
     {"steal_ms", steal_ms},
     {"flags", rb_cell_flag_words},
-    {"cycles_per_ray", later},
-    {"instructions_per_ray", instructions_per_ray},
-    {"l1d_misses_per_ray", l1d_misses_per_ray},
-    {"llc_misses_per_ray", llc_misses_per_ray},
-    {"branch_misses_per_ray", branch_misses_per_ray},
-    {"compute_pct", compute_pct},
-    {"compute_stall_pct", later},
-    {"memory_stall_pct", memory_stall_pct},
-    {"other_pct", other_pct},
-    {"counter_source", counter_source},
-    {"nj_per_ray", later},
-    {"energy_source", later},
+    {"cycles_per_ray", rb_column_cycles_per_ray},
+    {"instructions_per_ray", rb_column_instructions_per_ray},
+    {"l1d_misses_per_ray", rb_column_l1d_misses_per_ray},
+    {"llc_misses_per_ray", rb_column_llc_misses_per_ray},
+    {"branch_misses_per_ray", rb_column_branch_misses_per_ray},
+    {"compute_pct", rb_column_compute_pct},
+    {"compute_stall_pct", rb_column_compute_stall_pct},
+    {"memory_stall_pct", rb_column_memory_stall_pct},
+    {"other_pct", rb_column_other_pct},
+    {"counter_source", rb_column_counter_source},
+    {"nj_per_ray", rb_column_nj_per_ray},
+    {"energy_source", rb_column_energy_source},
     {"schema_version", rb_schema_version},
-    {"model_cycles_per_ray", model_cycles_per_ray},
-    {"category_source", category_source},
-    {"simulated_rays", simulated_rays},
-    {"simulated_by", simulated_by},
+    {"model_cycles_per_ray", rb_column_model_cycles_per_ray},
+    {"category_source", rb_column_category_source},
+    {"simulated_rays", rb_column_simulated_rays},
+    {"simulated_by", rb_column_simulated_by},
     {"counted_rays", counted_rays},
     {"nodes_per_ray", nodes_per_ray},
     {"boxes_per_ray", boxes_per_ray},
@@ -318,5 +256,14 @@ const struct rb_column rb_kernel_columns[] = {
     {"stack_per_ray", stack_per_ray},
     {"stack_max", stack_max},
     {"shadings_per_ray", shadings_per_ray},
+    {"category_sum_pct", rb_column_category_sum_pct},
+    {"task_clock_ns_per_ray", rb_column_task_clock_ns_per_ray},
+    {"page_faults_per_ray", rb_column_page_faults_per_ray},
+    {"kernel_switches_per_ray", rb_column_kernel_switches_per_ray},
+    {"counter_overhead_pct", rb_column_counter_overhead_pct},
+    {"counted_by", rb_column_counted_by},
+    {"hardware_note", rb_column_hardware_note},
+    {"gross_nj_per_ray", rb_column_gross_nj_per_ray},
+    {"energy_note", rb_column_energy_note},
     {.name = NULL},
 };

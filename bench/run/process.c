@@ -157,9 +157,10 @@ enum rb_status rb_process_run(const struct rb_worker_words *words, bool bind, si
         return rb_error_set(error, RB_FAILED, "cannot start %.200s: %s", pointers[0],
                             strerror(problem));
     }
-    void *record = malloc(record_bytes);
-    enum rb_status status = record ? take_all(ends[0], record, record_bytes, take, user, error)
-                                   : rb_error_memory(error, "the samples");
+    void *record = malloc(record_bytes + 1);
+    enum rb_status status = !take    ? RB_OK
+                            : record ? take_all(ends[0], record, record_bytes, take, user, error)
+                                     : rb_error_memory(error, "the samples");
     free(record);
     close(ends[0]);
     if (rb_process_interrupted() || status == RB_FAILED)

@@ -33,7 +33,8 @@ typedef bool rb_take_fn(void *user, const struct rb_sample *sample);
 // Starts the program with these words and calls `take` for every record that it sends, of
 // `record_bytes` bytes, a struct rb_sample and what may come behind it. RB_OK if the worker ended
 // well; RB_INVALID if a sample said mismatch (all of them were taken); RB_FAILED with a text if it
-// cannot be started, crashed or is another version. `bind`: OpenMP threads stay on their processors
+// cannot be started, crashed or is another version. Without `take`, the program is one that sends
+// nothing. `bind`: OpenMP threads stay on their processors
 // unless the user has said otherwise.
 enum rb_status rb_process_run(const struct rb_worker_words *words, bool bind, size_t record_bytes,
                               rb_take_fn *take, void *user, struct rb_error *error);

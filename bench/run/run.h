@@ -21,7 +21,12 @@ struct rb_side {
     FILE *samples; // samples.csv.part
 };
 
-enum rb_measure { RB_MEASURE_TIME = 1, RB_MEASURE_COUNT = 2, RB_MEASURE_SIMULATE = 4 };
+enum rb_measure {
+    RB_MEASURE_TIME = 1,
+    RB_MEASURE_COUNT = 2,
+    RB_MEASURE_SIMULATE = 4,
+    RB_MEASURE_HARDWARE = 8,
+};
 
 struct rb_run {
     struct rb_plan *plan;
@@ -33,11 +38,14 @@ struct rb_run {
     const struct rb_arguments *given; // what the user said
     unsigned measure;                 // bits of rb_measure
     struct rb_caches caches;          // to simulate
+    struct rb_event_file events;      // to count
+    struct rb_energy_model model;     // of energy, if there is one
     double probe_ns, budget_s;
     time_t started;
     uint64_t start_ns;
     bool quiet;
     bool crashed, mismatch; // some cell
+    bool uncounted;         // it was told that no event counts here
 };
 
 // Makes the references, from the cache next to the result folders where it has them, and decides

@@ -210,6 +210,8 @@ static int expand(struct rb_run *run)
                   strcmp(plan->references[i].scene_name, plan->references[i - 1].scene_name) != 0;
     run->side_count = plan->arguments.bench.against ? 2 : 1;
     run->unit_count = plan->cell_count / run->side_count;
+    for (int i = 0; i < run->unit_count && plan->arguments.bench.energy_model; i++)
+        plan->cells[i].energy_model = &run->model;
     run->budget_s = plan->arguments.budget_s > 0 ? plan->arguments.budget_s
                                                  : SCENE_BUDGET_S * scenes * run->side_count;
     return 0;
@@ -217,23 +219,31 @@ static int expand(struct rb_run *run)
 
 static enum rb_status choose_measures(struct rb_run *run, struct rb_error *error)
 {
-    static const char *const names[] = {"time", "count", "simulate"}; // bits of rb_measure
+    static const char *const names[] = {"time", "count", "simulate", "hardware"}; // rb_measure
+    enum { NAMES = sizeof names / sizeof *names };
     const struct rb_bench_arguments *bench = &run->plan->arguments.bench;
     const char *list = bench->measure ? bench->measure : "time,count";
     char item[RB_NAME_MAX];
     while (rb_names_next(&list, item)) {
         unsigned bit = 0;
-        while (bit < 3 && strcmp(item, names[bit]) != 0)
+        while (bit < NAMES && strcmp(item, names[bit]) != 0)
             bit++;
-        if (bit == 3)
+        if (bit == NAMES)
             return rb_error_set(error, RB_INVALID,
-                                "--measure %.64s: expected time, count or simulate", item);
+                                "--measure %.64s: expected time, count, simulate or hardware",
+                                item);
         run->measure |= 1u << bit;
     }
-    if (!(run->measure & RB_MEASURE_SIMULATE))
-        return RB_OK;
-    enum rb_status status = rb_simulate_check(error);
-    return status ? status : rb_caches_choose("", bench->l1, bench->ll, &run->caches, error);
+    enum rb_status status = RB_OK;
+    if (run->measure & RB_MEASURE_HARDWARE)
+        status = rb_event_file_choose(rb_hardware_root(), bench->events, &run->events, error);
+    if (status == RB_OK && bench->energy_model)
+        status = rb_energy_model_read(bench->energy_model, &run->model, error);
+    if (status == RB_OK && run->measure & RB_MEASURE_SIMULATE)
+        status = rb_simulate_check(error);
+    if (status == RB_OK && run->measure & RB_MEASURE_SIMULATE)
+        status = rb_caches_choose("", bench->l1, bench->ll, &run->caches, error);
+    return status;
 }
 
 static enum rb_status find_programs(struct rb_run *run, struct rb_error *error)
@@ -274,7 +284,8 @@ static enum rb_status make_plan(struct rb_run *run, const char *defaults,
 int rb_session_run(const struct rb_session_kind *kind, const struct rb_arguments *arguments)
 {
     static struct rb_plan plan;
-    struct rb_run run = {.plan = &plan, .given = arguments, .quiet = arguments->quiet};
+    static struct rb_run run; // too large for the stack
+    run = (struct rb_run){.plan = &plan, .given = arguments, .quiet = arguments->quiet};
     struct rb_error error = {0};
     run.parent = arguments->output ? arguments->output : "results";
     // A caller who closed standard output wants the files alone.

@@ -17,6 +17,7 @@ struct rb_session_kind {
 extern const struct rb_option rb_options_cells[];
 extern const struct rb_option rb_options_timing[];
 extern const struct rb_option rb_options_simulation[];
+extern const struct rb_option rb_options_hardware[];
 extern const struct rb_option rb_options_keeping[];
 
 // Returns the exit code, having reported errors.

@@ -46,6 +46,20 @@ const struct rb_option rb_options_simulation[] = {
     {.name = NULL},
 };
 
+const struct rb_option rb_options_hardware[] = {
+    {"--events", "NAME|FILE", RB_OPTION_TEXT, BENCH(events), 0, 0,
+     "what to count with --measure hardware: a name of bench/events, or a file that ends in "
+     ".events; default: those of this processor"},
+    {"--energy", NULL, RB_OPTION_FLAG, BENCH(energy), 0, 0,
+     "measure energy too: of frames, and of each kernel alone, a second each; needs RAPL"},
+    {"--idle", "TIME", RB_OPTION_TIME, BENCH(idle_s), 0.1, 3600,
+     "how long the idle machine is measured for that, before and after; default 2 s"},
+    {"--energy-model", "NAME|FILE", RB_OPTION_TEXT, BENCH(energy_model), 0, 0,
+     "where energy is not measured, model it from simulated events: horowitz14-45nm, "
+     "jouppi21-7nm, or a file that ends in .energy"},
+    {.name = NULL},
+};
+
 const struct rb_option rb_options_keeping[] = {
     {"--out", "DIR", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
      "folder for result folders; default results"},

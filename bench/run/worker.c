@@ -1,6 +1,8 @@
 #define _DEFAULT_SOURCE
 #include "bench/run/worker.h"
 
+#include "bench/run/energy_measure.h"
+#include "bench/run/hardware_measure.h"
 #include "bench/run/repeat.h"
 #include "bench/run/tiles.h"
 #include "cli/commands.h"
@@ -29,6 +31,10 @@ static const struct rb_option options[] = {
      "which tiles: seed of rb_tiles_runs"},
     {"--count", NULL, RB_OPTION_FLAG, BENCH(count), 0, 0,
      "render once with the kernels that count; their counts follow the sample"},
+    {"--events", "NAME|FILE", RB_OPTION_TEXT, BENCH(events), 0, 0,
+     "count events in turn; what was counted follows the sample"},
+    {"--energy", NULL, RB_OPTION_FLAG, BENCH(energy), 0, 0,
+     "measure energy; it follows the sample"},
     {"--quiet", NULL, RB_OPTION_FLAG, offsetof(struct rb_arguments, quiet), 0, 0, "no warnings"},
     {.name = NULL},
 };
@@ -154,7 +160,8 @@ static enum rb_status run_frames(struct worker *worker, struct rb_error *error)
 {
     if (!verify(worker))
         return RB_INVALID;
-    if (worker->repeater.slice_s == 0) // the verified frame is all that is wanted
+    const struct rb_bench_arguments *bench = &worker->arguments->bench;
+    if (worker->repeater.slice_s == 0 || bench->events || bench->energy) // more follows, or nothing
         return rb_repeater_send(&worker->repeater, error);
     rb_repeater_warm_up(&worker->repeater);
     return rb_repeater_run(&worker->repeater, error);
@@ -206,6 +213,17 @@ static enum rb_status prepare(struct worker *worker, struct rb_error *error)
     return RB_OK;
 }
 
+// What follows the sample in a record, also of one that is a mismatch.
+static enum rb_status send_more(struct worker *worker, struct rb_error *error)
+{
+    const struct rb_bench_arguments *bench = &worker->arguments->bench;
+    if (bench->count)
+        return rb_repeater_write(&worker->counts, sizeof worker->counts, error);
+    if (bench->events)
+        return rb_hardware_measure(&worker->repeater, bench->events, error);
+    return bench->energy ? rb_energy_measure(&worker->repeater, 0, error) : RB_OK;
+}
+
 static int run(const struct rb_arguments *arguments)
 {
     static struct worker worker; // a sample is too large for the stack
@@ -229,8 +247,8 @@ static int run(const struct rb_arguments *arguments)
         status = arguments->bench.group_tiles ? run_group(&worker, &scene, &error)
                                               : run_frames(&worker, &error);
     slow_counts(&worker);
-    if (arguments->bench.count && !error.text[0])
-        rb_repeater_write(&worker.counts, sizeof worker.counts, &error);
+    if (!error.text[0] && send_more(&worker, &error))
+        status = RB_FAILED;
     rb_free(worker.tiles.order);
     rb_renderer_free(worker.repeater.renderer);
     rb_scene_free(&scene);

@@ -174,6 +174,9 @@ static const struct item environment[] = {
     {"OMP_PROC_BIND, OMP_PLACES, GOMP_CPU_AFFINITY",
      "Where threads run. Without any of them the benchmark binds threads itself where the system "
      "allows."},
+    {"RAYBENCH_SYSFS",
+     "A folder with a copy of a machine's sys and proc, whose events are to be counted and whose "
+     "energy is to be read (powercap alone), for tests."},
     {"TMPDIR", "Where raybench table keeps images while it measures; default /tmp."},
     {"NO_COLOR", "If set, nothing is printed in colour; into a file or a pipe nothing ever is."},
     {NULL, NULL},
@@ -191,6 +194,9 @@ static const struct item files[] = {
     {"bench/plans/*.plan, ../share/raybench/plans/*.plan",
      "Plans, in the sources and beside the installed program: what raybench bench measures by "
      "name."},
+    {"bench/events/*.events, bench/energy/*.energy",
+     "Which hardware events to count on which processor, and models of energy; installed beside "
+     "the plans."},
     {NULL, NULL},
 };
 

@@ -1,5 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/times/render_command.h"
+#include "bench/hardware/event_file.h"
+#include "bench/times/render_energy.h"
 
 #include "base/memory.h"
 #include "bench/times/render_files.h"
@@ -208,6 +210,8 @@ static enum rb_status measure(const struct rb_arguments *arguments,
     announce_plan(session, rb_render_plan(session->cells, session->count, runs, budget_s),
                   budget_s);
     status = rb_render_measure(session, runs, budget_s, table->rows, error);
+    if (status == RB_OK)
+        status = rb_render_measure_energy(session, rb_hardware_root(), table->rows, error);
     if (status == RB_OK)
         printf("Measured in %.1f s.\n", (double)(rb_clock_ns() - start_ns) * 1e-9);
     return status;

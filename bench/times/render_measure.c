@@ -187,6 +187,7 @@ static void fill_row(const struct rb_render_session *session, size_t index,
         .max_s = none,
         .user_s = none,
         .system_s = none,
+        .frame_j = none,
         .source = session->hyperfine[0] && cell->runs ? session->hyperfine : "raybench",
         .note = "",
     };

@@ -136,7 +136,7 @@ static void put_figure(FILE *out, double value, bool estimated)
         fputs(" est.", out);
 }
 
-static void put_row(FILE *out, const struct rb_render_row *row, bool naive_estimated)
+static void put_row(FILE *out, const struct rb_render_row *row, bool naive_estimated, bool energy)
 {
     bool estimated = rb_render_row_estimated(row);
     fputs("| ", out);
@@ -146,6 +146,8 @@ static void put_row(FILE *out, const struct rb_render_row *row, bool naive_estim
     const double numbers[] = {row->mean_s, row->min_s, row->max_s};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         put_figure(out, numbers[i], false);
+    if (energy)
+        put_figure(out, row->frame_j, false);
     fprintf(out, " | %d", row->runs);
     put_figure(out, row->speedup_over_naive, estimated || naive_estimated);
     put_figure(out, row->speedup_over_paper, estimated);
@@ -159,15 +161,16 @@ static void put_row(FILE *out, const struct rb_render_row *row, bool naive_estim
 static void put_scene(FILE *out, const struct rb_render_table *table, const struct rb_preset *scene)
 {
     const struct rb_render_row *naive = rb_render_table_find(table, scene->name, "naive");
+    bool energy = rb_render_table_has_energy(table);
     fprintf(out,
             "\n## %s\n\n"
-            "| variant | threads | paper s | median s | mean s | min s | max s | runs | x naive "
+            "| variant | threads | paper s | median s | mean s | min s | max s |%s runs | x naive "
             "| x the paper (" PAPER ") | measured by | note |\n"
-            "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|---|\n",
-            scene->name);
+            "|---|---:|---:|---:|---:|---:|---:|%s---:|---:|---:|---|---|\n",
+            scene->name, energy ? " J a frame |" : "", energy ? "---:|" : "");
     for (size_t i = 0; i < table->count; i++)
         if (strcmp(table->rows[i].scene, scene->name) == 0)
-            put_row(out, &table->rows[i], naive && rb_render_row_estimated(naive));
+            put_row(out, &table->rows[i], naive && rb_render_row_estimated(naive), energy);
 }
 
 void rb_render_report_markdown(FILE *out, const struct rb_render_table *table)

@@ -44,9 +44,11 @@ static const struct column {
     COLUMN(TEXT, available),
     COLUMN(NUMBER, user_s),
     COLUMN(NUMBER, system_s),
+    COLUMN(NUMBER, frame_j),
 };
 
-enum { COLUMN_COUNT = sizeof columns / sizeof *columns };
+// The last column is there if there is energy.
+enum { COLUMN_COUNT = sizeof columns / sizeof *columns, COLUMNS_ALWAYS = COLUMN_COUNT - 1 };
 
 enum rb_status rb_render_table_create(struct rb_render_table *table, size_t count,
                                       struct rb_error *error)
@@ -75,6 +77,14 @@ const struct rb_render_row *rb_render_table_find(const struct rb_render_table *t
 bool rb_render_row_estimated(const struct rb_render_row *row)
 {
     return row->runs == 0 && isfinite(row->median_s);
+}
+
+bool rb_render_table_has_energy(const struct rb_render_table *table)
+{
+    for (size_t i = 0; i < table->count; i++)
+        if (isfinite(table->rows[i].frame_j))
+            return true;
+    return false;
 }
 
 // As a reader of the CSV will have it: six digits.
@@ -135,9 +145,10 @@ static enum rb_status read_row(struct rb_render_table *table, size_t index,
                                const int from[COLUMN_COUNT], struct rb_error *error)
 {
     struct rb_render_row *row = &table->rows[index];
+    row->frame_j = (double)NAN;
     for (size_t c = 0; c < COLUMN_COUNT; c++)
-        if (read_field(&table->csv, index, from[c], &columns[c], (char *)row + columns[c].offset,
-                       error))
+        if (from[c] >= 0 && read_field(&table->csv, index, from[c], &columns[c],
+                                       (char *)row + columns[c].offset, error))
             return RB_INVALID;
     const struct rb_preset *preset = find_preset(row->scene);
     rb_csv_place(&table->csv, index, -1, error);
@@ -156,7 +167,7 @@ static enum rb_status read_rows(struct rb_render_table *table, struct rb_error *
     int from[COLUMN_COUNT];
     for (size_t c = 0; c < COLUMN_COUNT; c++) {
         from[c] = rb_csv_column(&table->csv, columns[c].name);
-        if (from[c] < 0) {
+        if (c < COLUMNS_ALWAYS && from[c] < 0) {
             snprintf(error->file, sizeof error->file, "%.*s", (int)sizeof error->file - 1,
                      table->csv.path);
             return rb_error_set(error, RB_INVALID, "there is no column %s; run make table",
@@ -205,12 +216,13 @@ static void put_field(FILE *out, const struct column *column, const void *field)
 
 void rb_render_table_write(FILE *out, const struct rb_render_table *table)
 {
-    for (size_t c = 0; c < COLUMN_COUNT; c++)
+    size_t count = rb_render_table_has_energy(table) ? COLUMN_COUNT : COLUMNS_ALWAYS;
+    for (size_t c = 0; c < count; c++)
         fprintf(out, "%s%s", c ? "," : "", columns[c].name);
     fprintf(out, "\r\n");
     for (size_t i = 0; i < table->count; i++)
-        for (size_t c = 0; c < COLUMN_COUNT; c++) {
+        for (size_t c = 0; c < count; c++) {
             put_field(out, &columns[c], (const char *)&table->rows[i] + columns[c].offset);
-            fprintf(out, "%s", c + 1 < COLUMN_COUNT ? "," : "\r\n");
+            fprintf(out, "%s", c + 1 < count ? "," : "\r\n");
         }
 }

@@ -20,6 +20,7 @@ struct rb_render_row {
     const char *cpu_model, *git_commit, *utc;      // where, of what and when; same in all rows
     const char *available;                         // all variants of that machine, by blanks
     double user_s, system_s;                       // mean over the runs
+    double frame_j; // net energy of a run; NaN: not measured, and without any there is no column
 };
 
 struct rb_render_table {
@@ -49,6 +50,9 @@ void rb_render_table_write(FILE *out, const struct rb_render_table *table);
 // NULL if there is no such row.
 const struct rb_render_row *rb_render_table_find(const struct rb_render_table *table,
                                                  const char *scene, const char *variant);
+
+// Was the energy of any row measured?
+bool rb_render_table_has_energy(const struct rb_render_table *table);
 
 // Is the median scaled up from smaller images?
 bool rb_render_row_estimated(const struct rb_render_row *row);

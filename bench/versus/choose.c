@@ -139,21 +139,6 @@ static enum rb_status open_row(const struct rb_scene *scene, const struct rb_var
     return status;
 }
 
-// Embree's build as the targets mean it: of medium quality, spheres as user geometry.
-static void note_medium(const struct rb_renderer *renderer, const struct rb_embree_tree *tree,
-                        struct rb_contest *contests)
-{
-    double build_ns = (double)rb_renderer_build_ns(renderer);
-    if (!tree || tree->high || tree->native || tree->isa)
-        return;
-    for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++) {
-        struct rb_contest *contest = &contests[c];
-        if (contest->medium_build_ns == 0 || build_ns < contest->medium_build_ns)
-            contest->medium_build_ns = build_ns;
-        contest->medium_bytes = rb_renderer_tree_bytes(renderer);
-    }
-}
-
 // All rows of a table that are exact (ours), or are not.
 static enum rb_status try_table(const struct rb_variant *table, bool exact,
                                 const struct rb_scene *scene, double load_s, bool first,
@@ -176,11 +161,34 @@ static enum rb_status try_table(const struct rb_variant *table, bool exact,
             uint64_t start_ns = rb_clock_ns();
             status = open_row(scene, row, samples, &renderer, error);
             build_s = since_s(start_ns);
-            if (status == RB_OK)
-                note_medium(renderer, row->embree, contests);
         }
         if (status == RB_OK)
             try_row(renderer, row, index, load_s + build_s, samples, contests, side);
+    }
+    rb_renderer_free(renderer);
+    return status;
+}
+
+// Tests that the rays of the samples need, one at a time.
+static enum rb_status count_tests(const struct rb_scene *scene, const struct samples *samples,
+                                  struct rb_contest *contests, struct rb_error *error)
+{
+    static struct rb_count_table table;
+    const struct rb_variant *row = rb_variant_find("bvh8-avx2");
+    struct rb_renderer *renderer;
+    struct rb_run_result result;
+    if (!rb_variant_available(row))
+        return RB_OK;
+    enum rb_status status = open_row(scene, row, samples, &renderer, error);
+    for (int c = 0; c < RB_VERSUS_CLASS_COUNT && status == RB_OK; c++) {
+        const struct sample *sample = &samples->of[c];
+        const struct rb_record_choice *rays = &rb_versus_classes[c].rays;
+        const struct rb_run_options how = {.replay = &sample->replay, .counts = &table};
+        if (!sample->rays)
+            continue;
+        table = (struct rb_count_table){0};
+        rb_renderer_run(renderer, &how, &result);
+        contests[c].tests = rb_versus_tests_of(&table.at[rays->kernel][rays->bounce], sample->rays);
     }
     rb_renderer_free(renderer);
     return status;
@@ -201,6 +209,8 @@ enum rb_status rb_versus_choose(const char *path, const struct rb_scene *scene, 
             status =
                 try_table(rb_embree_rows, false, scene, load_s, first, samples, contests, error);
     }
+    if (status == RB_OK)
+        status = count_tests(scene, samples, contests, error);
     free_samples(samples);
     rb_free(samples);
     return status;

@@ -1,15 +1,13 @@
 // `raybench versus`: for every class of rays of a scene, our best row against Embree's best mode.
 // First all rows answer a sample of the rays, in this process; then the best of either side
 // measure all of them, in processes in turn, so that both have the same neighbours in time.
-#include "bench/versus/versus.h"
-
 #include "bench/data/names.h"
 #include "bench/replay/record.h"
-#include "bench/run/folder.h"
 #include "bench/run/process.h"
+#include "bench/versus/pages.h"
+#include "bench/versus/session.h"
 #include "cli/commands.h"
 #include "embree/embree.h"
-#include "measure/affinity.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -28,6 +26,8 @@ static const struct rb_option options[] = {
      "processes of either side; default 6, the fewest with a 95 % interval"},
     {"--class", "CLASS,...", RB_OPTION_TEXT, BENCH(classes), 0, 0,
      "rays: primary, shadow, reflection, refraction, diffuse; default all"},
+    {"--threads", "N", RB_OPTION_INT, offsetof(struct rb_arguments, settings.threads), 1,
+     RB_THREADS_MAX, "threads at most; 1: one alone; default: one, and all there are"},
     {"--size", "WxH", RB_OPTION_SIZE, offsetof(struct rb_arguments, settings), 1, RB_SIZE_MAX,
      "image whose pixels the rays start from; default 1024x1024"},
     {"--out", "DIR", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
@@ -40,16 +40,19 @@ const struct rb_command rb_command_versus = {
     .name = "versus",
     .summary = "our best row against Embree's best mode, for every class of rays",
     .synopsis = "[SCENE...] [options]",
-    .text = "Needs a build with libembree. Scenes: balls_high balls6 mount6 mount9 mount10, unless "
-            "told.\n\n"
-            "  raybench versus balls_high --processes 10\n"
-            "  raybench versus mount6 mount9 --class primary,shadow --budget 2m\n\n"
-            "Rays are those of `raybench record --classes all`. Embree's mode is the fastest of\n"
-            "single rays, packets of 8 and 16, streams, coherent or not, either build quality,\n"
-            "either kind of spheres, AVX2 or AVX-512, shadow rays from the point or from the\n"
-            "light, found on a sample of the rays for each class; our row is found likewise. Both\n"
-            "then measure all rays, one process after the other. One thread: kernels are\n"
-            "replayed serially. Writes versus.csv to a new folder of DIR, and results/latest.",
+    .text =
+        "Needs a build with libembree. Scenes: balls_high balls6 mount6 mount9 mount10, unless "
+        "told.\n\n"
+        "  raybench versus balls_high --processes 10\n"
+        "  raybench versus mount6 mount9 --class primary,shadow --budget 2m\n\n"
+        "Rays are those of `raybench record --classes all`. Embree's mode is the fastest of\n"
+        "single rays, packets of 8 and 16, streams, coherent or not, either build quality,\n"
+        "either kind of spheres, AVX2 or AVX-512, shadow rays from the point or from the\n"
+        "light, found with one thread on a sample of the rays for each class; our row is found\n"
+        "likewise. Both then measure all rays, one process after the other, with one thread\n"
+        "and with all, which take batches of at most 4096 rays in turn. The memory of both\n"
+        "sides asks for huge pages, unless GLIBC_TUNABLES is set. Writes versus.csv to a new\n"
+        "folder of DIR, and results/latest.",
     .positional_min = 0,
     .positional_max = 16,
     .groups = (const struct rb_option *const[]){options, NULL},
@@ -66,160 +69,42 @@ const struct rb_versus_class rb_versus_classes[RB_VERSUS_CLASS_COUNT] = {
 
 static const char *const plan[] = {"balls_high", "balls6", "mount6", "mount9", "mount10"};
 
-enum {
-    SCENES_MAX = 16,
-    PROCESSES_DEFAULT = 6,
-    PROCESSES_LEAST = 2,
-    SIZE_DEFAULT = 1024,
-    CPUS_MAX = 1024
-};
-static const double MEASURE_S = 0.5, MEASURE_LEAST_S = 0.05;
+enum { SIZE_DEFAULT = 1024 };
 
-struct session {
-    const struct rb_arguments *arguments;
-    char program[RB_OUTPUT_PATH_MAX];
-    char folder[RB_PATH_MAX];
-    const char *const *scenes;
-    int scene_count;
-    uint64_t start_ns;
-    struct rb_reference reference[SCENES_MAX];
-    struct rb_contest contests[SCENES_MAX * RB_VERSUS_CLASS_COUNT];
-    size_t contest_count;
-    bool failed;
-};
-
-static double since_s(uint64_t start_ns)
-{
-    return (double)(rb_clock_ns() - start_ns) * 1e-9;
-}
-
-static int process_count(const struct session *session)
-{
-    int wanted = session->arguments->bench.processes;
-    return wanted ? wanted : PROCESSES_DEFAULT;
-}
-
-static bool is_wanted(const struct session *session, const struct rb_contest *contest)
-{
-    const char *list = session->arguments->bench.classes;
-    return contest->ray_count && rb_names_match(list, contest->rays_name);
-}
-
-static void tell(const struct session *session, const char *scene, const char *what)
-{
-    if (!session->arguments->quiet && isatty(STDERR_FILENO))
-        fprintf(stderr, "\r%s: %s\033[K\r", scene, what);
-}
-
-// How often both sides of all contests of a scene run, and how long each process measures.
-struct rounds {
-    int count;
-    double measure_s;
-};
-
-// What is left of the budget is shared among the scenes. First all rounds that were asked for get
-// the least time; what then remains is theirs.
-static struct rounds plan_rounds(const struct session *session, const struct rb_contest *contests,
-                                 int scene)
-{
-    const struct rb_arguments *arguments = session->arguments;
-    struct rounds rounds = {process_count(session), MEASURE_S};
-    double fixed_s = 0; // of a round
-    int processes = 0;
-    if (arguments->budget_s == 0)
-        return rounds;
-    for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++)
-        for (int side = 0; side < 2 && is_wanted(session, &contests[c]); side++, processes++)
-            fixed_s += contests[c].side[side].load_s + 2 * contests[c].side[side].round_s;
-    double share_s =
-        (arguments->budget_s - since_s(session->start_ns)) / (session->scene_count - scene);
-    double affordable = share_s / (fixed_s + processes * MEASURE_LEAST_S);
-    if (rounds.count > affordable && !arguments->bench.processes)
-        rounds.count = affordable > PROCESSES_LEAST ? (int)affordable : PROCESSES_LEAST;
-    double each_s = (share_s / rounds.count - fixed_s) / (processes ? processes : 1);
-    rounds.measure_s = each_s > MEASURE_LEAST_S ? each_s : MEASURE_LEAST_S;
-    return rounds;
-}
-
-// One processor for both sides of a round.
-static int choose_cpu(int round)
-{
-    static int cpus[CPUS_MAX], count = -1;
-    if (count < 0)
-        count = rb_affinity_list(cpus, CPUS_MAX);
-    return count < 1 ? -1 : cpus[round % count];
-}
-
-static bool keep_sample(void *user, const struct rb_sample *sample)
-{
-    return sample->mismatch || rb_cell_add(user, sample);
-}
-
-static void run_process(struct session *session, struct rb_contest *contest, int side, int round,
-                        double seconds, const char *path)
-{
-    struct rb_versus_side *one = &contest->side[side];
-    struct rb_worker_words words = {.count = 0};
-    struct rb_error error = {0}, told = {0};
-    if (one->cell.state != RB_CELL_OPEN)
-        return;
-    rb_worker_word(&words, "%s", session->program);
-    rb_worker_word(&words, "replay-worker");
-    rb_worker_word(&words, "--variant=%s", one->row->name);
-    rb_worker_word(&words, "--kernel=%s", rb_stage_names[contest->rays->rays.kernel]);
-    rb_worker_word(&words, "--class=%s", rb_ray_class_names[contest->rays->rays.ray_class]);
-    rb_worker_word(&words, "--bounce=%d", contest->rays->rays.bounce);
-    rb_worker_word(&words, "--slice=%.4f", one->load_s + 2 * one->round_s + seconds);
-    rb_worker_word(&words, "--cpu=%d", choose_cpu(round));
-    rb_worker_word(&words, "--process=%d", round);
-    rb_worker_word(&words, "--");
-    rb_worker_word(&words, "%s", path);
-    enum rb_status status =
-        rb_process_run(&words, false, sizeof(struct rb_sample), keep_sample, &one->cell, &error);
-    if (status == RB_OK || rb_process_interrupted())
-        return;
-    one->cell.state = status == RB_INVALID ? RB_CELL_INVALID : RB_CELL_CRASHED;
-    session->failed = true;
-    rb_error_set(&told, status, "%s, %s, %s: %.200s", contest->scene, contest->rays_name,
-                 one->row->name, error.text[0] ? error.text : "not as recorded");
-    rb_report(status, &told);
-}
-
-static void measure(struct session *session, struct rb_contest *contests, int scene,
-                    const char *path)
-{
-    struct rounds rounds = plan_rounds(session, contests, scene);
-    for (int round = 0; round < rounds.count; round++)
-        for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++)
-            for (int turn = 0; turn < 2 && !rb_process_interrupted(); turn++) {
-                if (!is_wanted(session, &contests[c]))
-                    continue;
-                tell(session, contests[c].scene, contests[c].rays_name);
-                run_process(session, &contests[c], (turn + round) % 2, round, rounds.measure_s,
-                            path);
-            }
-}
-
-static void begin_contests(struct session *session, int scene, const struct rb_scene *loaded,
-                           struct rb_contest *contests)
+// The contests of a scene: all classes of rays with one thread, then with all.
+static void begin_contests(struct rb_versus_session *session, int scene,
+                           const struct rb_scene *loaded, struct rb_contest *contests)
 {
     struct rb_reference *reference = &session->reference[scene];
     *reference = (struct rb_reference){.scene_name = session->scenes[scene],
                                        .primitive_count = loaded->primitive_count};
-    for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++) {
-        contests[c] = (struct rb_contest){.scene = session->scenes[scene],
+    for (int i = 0; i < session->scene_contests; i++) {
+        int threads = i / RB_VERSUS_CLASS_COUNT, c = i % RB_VERSUS_CLASS_COUNT;
+        contests[i] = (struct rb_contest){.scene = session->scenes[scene],
                                           .rays_name = rb_versus_classes[c].name,
                                           .rays = &rb_versus_classes[c],
-                                          .primitive_count = loaded->primitive_count};
+                                          .primitive_count = loaded->primitive_count,
+                                          .threads = session->thread_counts[threads],
+                                          .single = threads ? &contests[c] : NULL,
+                                          .trees = &session->trees[scene][threads],
+                                          .tests = rb_versus_untested};
         session->contest_count++;
     }
 }
 
-static void name_rows(const struct session *session, int scene, struct rb_contest *contests)
+// Rows that were chosen with one thread stand for all.
+static void name_rows(const struct rb_versus_session *session, int scene,
+                      struct rb_contest *contests)
 {
-    for (int c = 0; c < RB_VERSUS_CLASS_COUNT; c++)
+    for (int i = 0; i < session->scene_contests; i++)
         for (int side = 0; side < 2; side++) {
-            struct rb_versus_side *one = &contests[c].side[side];
+            struct rb_contest *contest = &contests[i];
+            struct rb_versus_side *one = &contest->side[side];
+            if (contest->single) {
+                contest->ray_count = contest->single->ray_count;
+                contest->tests = contest->single->tests;
+                *one = contest->single->side[side];
+            }
             one->cell.variant = one->row;
             one->cell.reference = (struct rb_reference *)(uintptr_t)&session->reference[scene];
             one->cell.state = one->row ? RB_CELL_OPEN : RB_CELL_UNAVAILABLE;
@@ -227,7 +112,7 @@ static void name_rows(const struct session *session, int scene, struct rb_contes
 }
 
 // Records the rays with our fastest serial row: they are the same for every row.
-static int record(const struct session *session, const char *scene, const char *path)
+static int record(const struct rb_versus_session *session, const char *scene, const char *path)
 {
     struct rb_arguments arguments = {
         .positional = {scene},
@@ -247,13 +132,13 @@ static int record(const struct session *session, const char *scene, const char *
     return rb_command_record.run(&arguments);
 }
 
-static int contend(struct session *session, int index, const char *path)
+static int contend(struct rb_versus_session *session, int index, const char *path)
 {
     struct rb_contest *contests = &session->contests[session->contest_count];
     const char *name = session->scenes[index];
     struct rb_error error = {0};
     struct rb_scene scene;
-    tell(session, name, "recording rays");
+    rb_versus_tell(session, name, "recording rays");
     int code = record(session, name, path);
     if (code)
         return code;
@@ -261,19 +146,25 @@ static int contend(struct session *session, int index, const char *path)
     code = rb_open_scene(name, session->arguments, &scene);
     if (code)
         return code;
-    double load_s = since_s(start_ns);
-    tell(session, name, "looking for the best rows");
+    double load_s = (double)(rb_clock_ns() - start_ns) * 1e-9;
     begin_contests(session, index, &scene, contests);
-    enum rb_status status = rb_versus_choose(path, &scene, load_s, contests, &error);
+    enum rb_status status = RB_OK;
+    rb_versus_tell(session, name, "building trees");
+    for (int t = 0; t < session->scene_contests / RB_VERSUS_CLASS_COUNT && status == RB_OK; t++)
+        status =
+            rb_versus_build(&scene, session->thread_counts[t], &session->trees[index][t], &error);
+    rb_versus_tell(session, name, "looking for the best rows");
+    if (status == RB_OK)
+        status = rb_versus_choose(path, &scene, load_s, contests, &error);
     rb_scene_free(&scene);
     if (status)
         return rb_report(status, &error);
     name_rows(session, index, contests);
-    measure(session, contests, index, path);
+    rb_versus_measure(session, contests, index, path);
     return 0;
 }
 
-static int write_csv(const struct session *session)
+static int write_csv(const struct rb_versus_session *session)
 {
     static struct rb_output output;
     struct rb_error error = {0};
@@ -309,19 +200,25 @@ static enum rb_status check_classes(const char *list, struct rb_error *error)
     return RB_OK;
 }
 
-static enum rb_status begin(struct session *session, const struct rb_arguments *arguments,
+static enum rb_status begin(struct rb_versus_session *session, const struct rb_arguments *arguments,
                             struct rb_error *error)
 {
-    *session = (struct session){.arguments = arguments, .start_ns = rb_clock_ns()};
+    *session = (struct rb_versus_session){.arguments = arguments, .start_ns = rb_clock_ns()};
     bool told = arguments->positional_count > 0;
     session->scenes = told ? arguments->positional : plan;
     session->scene_count = told ? arguments->positional_count : (int)(sizeof plan / sizeof *plan);
+    int most = rb_threads_default(), asked = arguments->settings.threads;
+    session->thread_counts[0] = 1;
+    session->thread_counts[1] = asked && asked < most ? asked : most;
+    session->scene_contests = RB_VERSUS_CLASS_COUNT * (session->thread_counts[1] > 1 ? 2 : 1);
     if (!rb_embree_version())
         return rb_error_set(error, RB_INVALID, "versus needs libembree: run make setup, then make");
     const char *parent = arguments->output ? arguments->output : "results";
     enum rb_status status = check_classes(arguments->bench.classes, error);
     if (status == RB_OK)
         status = rb_process_self(session->program, sizeof session->program, error);
+    if (status == RB_OK)
+        rb_versus_restart(session->program);
     if (status == RB_OK)
         status = rb_folder_check(parent, error);
     if (status == RB_OK)
@@ -331,7 +228,7 @@ static enum rb_status begin(struct session *session, const struct rb_arguments *
 
 static int run(const struct rb_arguments *arguments)
 {
-    static struct session session;
+    static struct rb_versus_session session;
     struct rb_error error = {0};
     char path[RB_PATH_MAX + 16];
     enum rb_status status = begin(&session, arguments, &error);
@@ -344,7 +241,7 @@ static int run(const struct rb_arguments *arguments)
     for (int i = 0; i < session.scene_count && !code && !rb_process_interrupted(); i++)
         code = contend(&session, i, path);
     unlink(path);
-    tell(&session, "", "");
+    rb_versus_tell(&session, "", "");
     rb_versus_print(session.contests, session.contest_count);
     int written = write_csv(&session); // of what there is, also after a failure
     for (size_t i = 0; i < session.contest_count; i++)

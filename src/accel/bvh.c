@@ -12,8 +12,7 @@
 
 enum {
     DEPTH_HALVE = 48,   // from here on ranges are halved, see RB_BVH_DEPTH_MAX
-    SUBTREES = 64,      // shared among the workers
-    BOUND_CHUNK = 4096, // primitives whose boxes a worker computes at a time
+    SUBTREES = 64,      // shared among the workers; and parts that primitives are bounded in
     SUBTREE_MIN = 1024, // primitives below which a range is not split for sharing
 };
 
@@ -23,7 +22,7 @@ static const struct rb_bvh_leaves SINGLE = {.block = 1, .cost = 1.5f};
 // A range of items that becomes one child of a node.
 struct range {
     uint32_t begin, end;
-    struct rb_box box;
+    struct rb_sah_bounds bounds;
     int depth;
 };
 
@@ -34,12 +33,14 @@ struct builder {
     struct rb_bvh_node *nodes;
 };
 
-static struct range range_of(const struct builder *builder, uint32_t begin, uint32_t end, int depth)
+static struct rb_sah_bounds bounds_of(const struct rb_sah_item *items, uint32_t count)
 {
-    struct range range = {begin, end, RB_BOX_EMPTY, depth};
-    for (uint32_t i = begin; i < end; i++)
-        rb_box_include(&range.box, &builder->items[i].box);
-    return range;
+    struct rb_sah_bounds bounds = RB_SAH_BOUNDS_EMPTY;
+    for (uint32_t i = 0; i < count; i++) {
+        rb_box_include(&bounds.box, &items[i].box);
+        rb_box_include_point(&bounds.centers, rb_sah_center(&items[i]));
+    }
+    return bounds;
 }
 
 // Moves the primitives of the same kind as the first one to the front; returns how many there are.
@@ -70,34 +71,38 @@ static bool range_split(const struct builder *builder, const struct range *range
                         struct range out[2])
 {
     struct rb_sah_item *items = builder->items + range->begin;
-    uint32_t count = range->end - range->begin, middle = count / 2;
+    uint32_t count = range->end - range->begin, middle = 0;
     const struct rb_bvh_leaves *leaves = builder->leaves;
+    struct rb_sah_bounds sides[2];
+    float area = rb_box_half_area(&range->bounds.box);
+    float leaf_cost = leaves->cost * rb_sah_blocks(count, leaves->block) * area;
+    bool leaf = count <= RB_BVH_LEAF_MAX;
     if (count < 2)
         return false;
-    if (range->depth < DEPTH_HALVE) {
-        struct rb_sah_split split = rb_sah_find(items, count, leaves->block);
-        float area = rb_box_half_area(&range->box);
-        float leaf_cost = leaves->cost * rb_sah_blocks(count, leaves->block) * area;
-        bool pays = area + leaves->cost * split.cost < leaf_cost;
-        if (count <= RB_BVH_LEAF_MAX && !pays)
-            middle = leaf_middle(builder, items, count);
-        else if (split.cost < INFINITY)
-            middle = rb_sah_partition(items, count, &split);
-    } else if (count <= RB_BVH_LEAF_MAX) {
-        middle = leaf_middle(builder, items, count);
+    if (range->depth < DEPTH_HALVE && (!leaf || leaf_cost > area)) { // else no node is cheaper
+        struct rb_sah_split split =
+            rb_sah_find(items, count, &range->bounds.centers, leaves->block);
+        leaf = leaf && !(area + leaves->cost * split.cost < leaf_cost);
+        if (!leaf && split.cost < INFINITY)
+            middle = rb_sah_partition(items, count, &split, sides);
     }
-    if (middle == count)
-        return false;
-    out[0] = range_of(builder, range->begin, range->begin + middle, range->depth + 1);
-    out[1] = range_of(builder, range->begin + middle, range->end, range->depth + 1);
+    if (middle == 0) {
+        middle = leaf ? leaf_middle(builder, items, count) : count / 2;
+        if (middle == count)
+            return false;
+        sides[0] = bounds_of(items, middle);
+        sides[1] = bounds_of(items + middle, count - middle);
+    }
+    out[0] = (struct range){range->begin, range->begin + middle, sides[0], range->depth + 1};
+    out[1] = (struct range){range->begin + middle, range->end, sides[1], range->depth + 1};
     return true;
 }
 
 static void node_set_child(struct rb_bvh_node *node, int child, const struct range *range)
 {
     for (int k = 0; k < 3; k++) {
-        node->bounds[k][0][child] = range->box.low[k];
-        node->bounds[k][1][child] = range->box.high[k];
+        node->bounds[k][0][child] = range->bounds.box.low[k];
+        node->bounds[k][1][child] = range->bounds.box.high[k];
     }
     node->child[child] = range->begin;
     node->count[child] = range->end - range->begin;
@@ -136,6 +141,7 @@ struct top {
     struct rb_bvh_node nodes[SUBTREES];
     struct subtree open[SUBTREES];
     uint32_t node_count, open_count;
+    struct rb_sah_bounds bounds[SUBTREES]; // of as many parts of the primitives
 };
 
 static void top_open(struct top *top, const struct range halves[2], uint32_t first_slot)
@@ -157,10 +163,11 @@ static void build_subtree(const struct builder *builder, struct subtree *subtree
     subtree->node_count = next - subtree->range.begin;
 }
 
-// Copies a finished subtree from its slots to its place in the tree.
+// Copies a finished subtree from its slots to its place in the tree, and names its primitives.
 static void place_subtree(const struct builder *builder, const struct subtree *subtree,
-                          struct rb_bvh_node *nodes)
+                          struct rb_bvh *bvh)
 {
+    struct rb_bvh_node *nodes = bvh->nodes;
     uint32_t begin = subtree->range.begin;
     for (uint32_t i = 0; i < subtree->node_count; i++) {
         struct rb_bvh_node node = builder->nodes[begin + i];
@@ -173,22 +180,8 @@ static void place_subtree(const struct builder *builder, const struct subtree *s
         nodes[subtree->parent].count[subtree->child] = 0;
         nodes[subtree->parent].child[subtree->child] = subtree->place;
     }
-}
-
-static double node_cost(const struct rb_bvh_leaves *leaves, const struct rb_bvh_node *node)
-{
-    double cost = 0;
-    for (int c = 0; c < 2; c++) {
-        struct rb_box box;
-        for (int k = 0; k < 3; k++) {
-            box.low[k] = node->bounds[k][0][c];
-            box.high[k] = node->bounds[k][1][c];
-        }
-        float blocks = rb_sah_blocks(node->count[c], leaves->block);
-        double weight = node->count[c] ? (double)(leaves->cost * blocks) : 1.0;
-        cost += box.low[0] <= box.high[0] ? (double)rb_box_half_area(&box) * weight : 0.0;
-    }
-    return cost;
+    for (uint32_t i = begin; i < subtree->range.end; i++)
+        bvh->refs[i] = rb_sah_item_id(&builder->items[i]);
 }
 
 // What the parallel loops below work on.
@@ -199,16 +192,30 @@ struct job {
     struct rb_bvh *bvh;
 };
 
-static void bound_step(const void *of, uint32_t chunk)
+static void bound_step(const void *of, uint32_t part)
 {
     const struct job *job = of;
-    uint32_t begin = chunk * BOUND_CHUNK, rest = job->bvh->ref_count - begin;
-    uint32_t end = begin + (rest < BOUND_CHUNK ? rest : BOUND_CHUNK);
+    struct rb_sah_item *items = job->builder->items;
+    uint64_t count = job->bvh->ref_count;
+    uint32_t begin = (uint32_t)(count * part / SUBTREES);
+    uint32_t end = (uint32_t)(count * (part + 1) / SUBTREES);
     for (uint32_t i = begin; i < end; i++) {
         float low[3], high[3];
         rb_scene_bounds(job->scene, i, low, high);
-        job->builder->items[i] = rb_sah_item_make(low, high, i);
+        items[i] = rb_sah_item_make(low, high, i);
     }
+    job->top->bounds[part] = bounds_of(items + begin, end - begin);
+}
+
+static struct range bound_all(const struct job *job, int threads)
+{
+    struct range root = {0, job->bvh->ref_count, RB_SAH_BOUNDS_EMPTY, 0};
+    rb_parallel_for(threads, SUBTREES, bound_step, job);
+    for (int part = 0; part < SUBTREES; part++) {
+        rb_box_include(&root.bounds.box, &job->top->bounds[part].box);
+        rb_box_include(&root.bounds.centers, &job->top->bounds[part].centers);
+    }
+    return root;
 }
 
 static void split_step(const void *of, uint32_t i)
@@ -249,7 +256,7 @@ static void build_step(const void *of, uint32_t i)
 static void place_step(const void *of, uint32_t i)
 {
     const struct job *job = of;
-    place_subtree(job->builder, &job->top->open[i], job->bvh->nodes);
+    place_subtree(job->builder, &job->top->open[i], job->bvh);
 }
 
 static enum rb_status assemble(const struct job *job, int threads)
@@ -267,25 +274,16 @@ static enum rb_status assemble(const struct job *job, int threads)
         return RB_FAILED;
     memcpy(bvh->nodes, top->nodes, top->node_count * sizeof *bvh->nodes);
     rb_parallel_for(threads, top->open_count, place_step, job);
-    for (uint32_t i = 0; i < bvh->ref_count; i++)
-        bvh->refs[i] = rb_sah_item_id(&job->builder->items[i]);
     return RB_OK;
 }
 
 static enum rb_status build(const struct job *job, int threads)
 {
-    struct rb_bvh *bvh = job->bvh;
-    rb_parallel_for(threads, (bvh->ref_count - 1) / BOUND_CHUNK + 1, bound_step, job);
-    struct range root = range_of(job->builder, 0, bvh->ref_count, 0);
-    struct range halves[2] = {root, {.box = RB_BOX_EMPTY}};
+    struct range root = bound_all(job, threads);
+    struct range halves[2] = {root, {.bounds = RB_SAH_BOUNDS_EMPTY}};
     range_split(job->builder, &root, halves); // else one leaf and an empty child
     build_top(job, halves, threads);
-    enum rb_status status = assemble(job, threads);
-    double area = (double)rb_box_half_area(&root.box), cost = 0;
-    for (uint32_t i = 0; status == RB_OK && i < bvh->node_count; i++)
-        cost += node_cost(job->builder->leaves, &bvh->nodes[i]);
-    bvh->sah_cost = area > 0 ? 1.0 + cost / area : 1.0;
-    return status;
+    return assemble(job, threads);
 }
 
 enum rb_status rb_bvh_build_leaves(const struct rb_scene *scene, const struct rb_bvh_leaves *leaves,
@@ -299,7 +297,7 @@ enum rb_status rb_bvh_build_leaves(const struct rb_scene *scene, const struct rb
         .scene = scene,
         .leaves = leaves,
         .items = rb_alloc(bvh->ref_count, sizeof *builder.items),
-        .nodes = rb_alloc(bvh->ref_count, sizeof *builder.nodes),
+        .nodes = rb_alloc_sparse(bvh->ref_count, sizeof *builder.nodes),
     };
     struct top *top = rb_alloc(1, sizeof *top);
     bvh->refs = rb_alloc(bvh->ref_count, sizeof *bvh->refs);

@@ -29,7 +29,6 @@ struct rb_bvh {
     uint32_t *refs;            // primitive ids, each bounded primitive once
     uint32_t node_count, ref_count;
     size_t bytes;
-    double sah_cost; // expected cost of a ray that passes the root, in box pair tests
 };
 
 // What the leaves of a tree are for: how many primitives, `block`, are tested at once, what that

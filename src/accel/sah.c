@@ -7,25 +7,13 @@ struct bin {
     uint32_t count;
 };
 
-// Twice the centre; only order matters.
-static inline rb_quad item_center(const struct rb_sah_item *item)
-{
-    return item->box.low + item->box.high;
-}
+typedef int32_t quad_int __attribute__((vector_size(16)));
 
-static struct rb_box centers_box(const struct rb_sah_item *items, uint32_t count)
+// The bins that a centre falls into, axis by axis.
+static inline quad_int bins_of(rb_quad center, rb_quad low, rb_quad scale)
 {
-    struct rb_box box = RB_BOX_EMPTY;
-    for (uint32_t i = 0; i < count; i++) {
-        rb_quad center = item_center(&items[i]);
-        rb_box_include(&box, &(struct rb_box){center, center});
-    }
-    return box;
-}
-
-static inline int bin_clamp(float bin)
-{
-    return (int)bin < BINS - 1 ? (int)bin : BINS - 1;
+    const rb_quad last = {BINS - 1, BINS - 1, BINS - 1, 0};
+    return __builtin_convertvector(rb_quad_min((center - low) * scale, last), quad_int);
 }
 
 // The bins of all axes, whose scales are 0 where there is no extent.
@@ -36,9 +24,10 @@ static void fill(struct bin bins[3][BINS], const struct rb_sah_item *items, uint
         for (int i = 0; i < BINS; i++)
             bins[axis][i] = (struct bin){RB_BOX_EMPTY, 0};
     for (uint32_t i = 0; i < count; i++) {
-        rb_quad at = (item_center(&items[i]) - low) * scale;
+        quad_int at = bins_of(rb_sah_center(&items[i]), low, scale);
+#pragma GCC unroll 3
         for (int axis = 0; axis < 3; axis++) {
-            struct bin *bin = &bins[axis][bin_clamp(at[axis])];
+            struct bin *bin = &bins[axis][at[axis]];
             rb_box_include(&bin->box, &items[i].box);
             bin->count++;
         }
@@ -46,8 +35,7 @@ static void fill(struct bin bins[3][BINS], const struct rb_sah_item *items, uint
 }
 
 // Sweeps the bins of one axis from both ends and keeps the cheapest plane in `best`.
-static void sweep(const struct bin bins[BINS], uint32_t block, int axis, float low, float scale,
-                  struct rb_sah_split *best)
+static void sweep(const struct bin bins[BINS], uint32_t block, int axis, struct rb_sah_split *best)
 {
     float right_cost[BINS];
     struct rb_box box = RB_BOX_EMPTY;
@@ -65,45 +53,46 @@ static void sweep(const struct bin bins[BINS], uint32_t block, int axis, float l
         float cost =
             count ? rb_box_half_area(&box) * rb_sah_blocks(count, block) + right_cost[i] : INFINITY;
         if (cost < best->cost)
-            *best = (struct rb_sah_split){cost, low, scale, axis, i};
+            best->cost = cost, best->axis = axis, best->bin = i;
     }
 }
 
-struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count, uint32_t block)
+struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count,
+                                const struct rb_box *centers, uint32_t block)
 {
     struct rb_sah_split best = {.cost = INFINITY};
-    struct rb_box centers = centers_box(items, count);
     struct bin bins[3][BINS];
-    rb_quad scale = {0};
     for (int axis = 0; axis < 3; axis++) {
-        float per_unit = (float)BINS / (centers.high[axis] - centers.low[axis]);
-        scale[axis] = per_unit < FLT_MAX ? per_unit : 0.0f;
+        float per_unit = (float)BINS / (centers->high[axis] - centers->low[axis]);
+        best.scale[axis] = per_unit < FLT_MAX ? per_unit : 0.0f;
+        best.low[axis] = centers->low[axis];
     }
-    fill(bins, items, count, centers.low, scale);
+    fill(bins, items, count, best.low, best.scale);
     for (int axis = 0; axis < 3; axis++)
-        if (scale[axis] > 0.0f)
-            sweep(bins[axis], block, axis, centers.low[axis], scale[axis], &best);
+        if (best.scale[axis] > 0.0f)
+            sweep(bins[axis], block, axis, &best);
+    best.sides[0] = best.sides[1] = RB_BOX_EMPTY;
+    for (int i = 0; i < BINS; i++)
+        rb_box_include(&best.sides[i >= best.bin], &bins[best.axis][i].box);
     return best;
 }
 
-static int bin_of(const struct rb_sah_item *item, const struct rb_sah_split *split)
-{
-    float center = item->box.low[split->axis] + item->box.high[split->axis];
-    return bin_clamp((center - split->low) * split->scale);
-}
-
+// Every item is exchanged with the first one that went right: without a branch, which nobody could
+// predict.
 uint32_t rb_sah_partition(struct rb_sah_item *items, uint32_t count,
-                          const struct rb_sah_split *split)
+                          const struct rb_sah_split *split, struct rb_sah_bounds sides[2])
 {
-    uint32_t left = 0, right = count;
-    while (left < right) {
-        if (bin_of(&items[left], split) < split->bin) {
-            left++;
-        } else {
-            struct rb_sah_item swap = items[left];
-            items[left] = items[--right];
-            items[right] = swap;
-        }
+    uint32_t left = 0;
+    for (int side = 0; side < 2; side++)
+        sides[side] = (struct rb_sah_bounds){split->sides[side], RB_BOX_EMPTY};
+    for (uint32_t i = 0; i < count; i++) {
+        struct rb_sah_item item = items[i];
+        rb_quad center = rb_sah_center(&item);
+        bool goes_left = bins_of(center, split->low, split->scale)[split->axis] < split->bin;
+        items[i] = items[left];
+        items[left] = item;
+        left += goes_left;
+        rb_box_include_point(&sides[!goes_left].centers, center);
     }
     return left;
 }

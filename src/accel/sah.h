@@ -6,6 +6,7 @@
 
 #include "base/vec.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __SSE2__
@@ -29,9 +30,11 @@ struct rb_sah_item {
 };
 
 struct rb_sah_split {
-    float cost; // of both sides, half area times blocks; infinite if no plane separates them
-    float low, scale;
-    int axis, bin; // items of bins < bin go left
+    float cost; // of both sides, half area times blocks; infinite if no plane separates them, and
+                // nothing else is known then
+    rb_quad low, scale; // of the bins
+    int axis, bin;      // items of bins < bin of the axis go left
+    struct rb_box sides[2];
 };
 
 // rb_min, rb_max, lane by lane.
@@ -85,12 +88,30 @@ static inline float rb_sah_blocks(uint32_t count, uint32_t block)
     return (float)((count + block - 1) / block);
 }
 
-// The cheapest of the planes between bins, on all three axes.
-struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count, uint32_t block);
+// What a set of items lies in: their boxes, and twice the centres of these; only order matters.
+struct rb_sah_bounds {
+    struct rb_box box, centers;
+};
+
+#define RB_SAH_BOUNDS_EMPTY ((struct rb_sah_bounds){RB_BOX_EMPTY, RB_BOX_EMPTY})
+
+static inline rb_quad rb_sah_center(const struct rb_sah_item *item)
+{
+    return item->box.low + item->box.high;
+}
+
+static inline void rb_box_include_point(struct rb_box *box, rb_quad point)
+{
+    rb_box_include(box, &(struct rb_box){point, point});
+}
+
+// The cheapest of the planes between bins, on all three axes, of items with these centres.
+struct rb_sah_split rb_sah_find(const struct rb_sah_item *items, uint32_t count,
+                                const struct rb_box *centers, uint32_t block);
 
 // Moves the items left of the split to the front; returns how many there are, at least one and
-// fewer than `count` if the cost of the split is finite.
+// fewer than `count` if the cost of the split is finite. Tells the bounds of both sides.
 uint32_t rb_sah_partition(struct rb_sah_item *items, uint32_t count,
-                          const struct rb_sah_split *split);
+                          const struct rb_sah_split *split, struct rb_sah_bounds sides[2]);
 
 #endif

@@ -1,9 +1,14 @@
+#define _DEFAULT_SOURCE
 #include "base/memory.h"
 
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+
+// Of one transparent huge page.
+enum { HUGE_BYTES = 2 << 20 };
 
 static atomic_long fail_countdown;
 static atomic_long live_count;
@@ -15,19 +20,40 @@ static bool must_fail(void)
     return atomic_fetch_sub(&fail_countdown, 1) == 1;
 }
 
+// Asks for huge pages: an array of some MiB has more of the small ones than a processor knows by
+// heart, and each costs a page fault.
+static void ask_for_huge_pages(char *block, size_t bytes)
+{
+#ifdef MADV_HUGEPAGE
+    size_t ahead = -(uintptr_t)block % HUGE_BYTES;
+    if (bytes >= ahead + HUGE_BYTES)
+        madvise(block + ahead, (bytes - ahead) / HUGE_BYTES * HUGE_BYTES, MADV_HUGEPAGE);
+#else
+    (void)block, (void)bytes;
+#endif
+}
+
+// calloc has large blocks of pages that are zero already and appear when they are first written to,
+// by whichever thread does it. Where a block began stands before what is aligned of it.
+void *rb_alloc_sparse(size_t count, size_t size)
+{
+    if (size != 0 && count > (SIZE_MAX - 2 * RB_CACHE_LINE) / size)
+        return NULL;
+    size_t bytes = (count * size + RB_CACHE_LINE - 1) / RB_CACHE_LINE * RB_CACHE_LINE;
+    char *block = must_fail() ? NULL : calloc(1, bytes + RB_CACHE_LINE);
+    if (!block)
+        return NULL;
+    void **memory = (void **)(block + RB_CACHE_LINE - (uintptr_t)block % RB_CACHE_LINE);
+    memory[-1] = block;
+    atomic_fetch_add_explicit(&live_count, 1, memory_order_relaxed);
+    return memory;
+}
+
 void *rb_alloc(size_t count, size_t size)
 {
-    if (size != 0 && count > (SIZE_MAX - RB_CACHE_LINE) / size)
-        return NULL;
-    size_t bytes = count * size;
-    bytes = (bytes + RB_CACHE_LINE - 1) / RB_CACHE_LINE * RB_CACHE_LINE;
-    if (bytes == 0)
-        bytes = RB_CACHE_LINE;
-    void *memory = must_fail() ? NULL : aligned_alloc(RB_CACHE_LINE, bytes);
-    if (!memory)
-        return NULL;
-    memset(memory, 0, bytes);
-    atomic_fetch_add_explicit(&live_count, 1, memory_order_relaxed);
+    void *memory = rb_alloc_sparse(count, size);
+    if (memory)
+        ask_for_huge_pages(memory, count * size);
     return memory;
 }
 
@@ -36,7 +62,7 @@ void rb_free(void *memory)
     if (!memory)
         return;
     atomic_fetch_sub_explicit(&live_count, 1, memory_order_relaxed);
-    free(memory);
+    free(((void **)memory)[-1]);
 }
 
 bool rb_array_reserve(struct rb_array *array, size_t extra, size_t size)

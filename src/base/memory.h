@@ -13,8 +13,12 @@
 enum { RB_CACHE_LINE = 64 };
 
 // `count` zeroed elements of `size` bytes, aligned to RB_CACHE_LINE. NULL when there is no memory.
-// A count of 0 gives a valid pointer. Release with rb_free.
+// A count of 0 gives a valid pointer. Release with rb_free. Large arrays ask for huge pages, where
+// the system leaves that to its programs (Linux: /sys/kernel/mm/transparent_hugepage/enabled).
 void *rb_alloc(size_t count, size_t size);
+
+// The same for arrays that remain empty for the most part, on small pages.
+void *rb_alloc_sparse(size_t count, size_t size);
 
 // Accepts NULL.
 void rb_free(void *memory);

@@ -38,6 +38,11 @@ struct rb_bench_arguments {
     int simulate_tiles, simulate_sample;
     const char *baseline, *markdown, *json_file; // of a gate, as the next one
     bool update;
+    const char *events;       // to count: a file or its name
+    const char *perf_control; // a pipe to perf
+    bool energy;
+    double idle_s;            // how long to measure the idle machine
+    const char *energy_model; // a file or its name
 };
 
 // Everything any command can be told. Zero or NULL means not given.

@@ -2,7 +2,7 @@
 // the answer: a subtree is skipped only if it starts beyond the closest hit so far, and its
 // interval contains those of its primitives (intersect.h).
 #include "accel/bvh.h"
-#include "kernels/intersect.h"
+#include "kernels/one_by_one.h"
 
 static rb_trace_fn trace;
 static rb_trace_shadow_fn trace_shadow;
@@ -104,23 +104,10 @@ static bool any(const struct rb_world *world, const struct rb_ray *ray, float di
 
 static void trace(const struct rb_world *world, const struct rb_rays *rays, struct rb_hits *hits)
 {
-    for (uint32_t i = 0; i < rays->count; i++) {
-        struct rb_ray ray = rb_ray_load(rays, i, world->one_sided);
-        RB_COUNT_BEGIN(i);
-        struct rb_hit hit = rb_ray_valid(&ray) ? closest(world, &ray) : RB_MISS;
-        RB_COUNT_END(1);
-        RB_COUNT_RAYS(HITS, hit.prim != RB_NONE, 1);
-        rb_hit_store(hits, i, &hit);
-    }
+    trace_one_by_one(world, rays, hits, closest);
 }
 
 static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadows)
 {
-    for (uint32_t i = 0; i < shadows->count; i++) {
-        struct rb_ray ray = rb_shadow_load(shadows, i);
-        RB_COUNT_BEGIN(i);
-        shadows->occluded[i] = rb_ray_valid(&ray) && any(world, &ray, shadows->distance[i]);
-        RB_COUNT_END(1);
-        RB_COUNT_RAYS(OCCLUDED, shadows->occluded[i], 1);
-    }
+    trace_shadow_one_by_one(world, shadows, any);
 }

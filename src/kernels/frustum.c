@@ -13,6 +13,7 @@
 // -> 7.1, shadow 22.9 -> 11.4, refraction 22.9 -> 17.2 against bundles whose packets were tested
 // box by box, ray by ray, the first and the last of them only (after Wald, Boulos, Shirley 2007);
 // mount9 primary 62 -> 39, shadow 133 -> 70. Shadow rays culled from the surface instead: 23.7.
+// Few packets meet boxes one by one: mount10 primary 87 -> 75, shadow 158 -> 130.
 // Tried and dropped: giving up bundles as a whole, and then trying quarters of them (shadow 15 to
 // 18); packets of 16 x 1 instead of 4 x 4 pixels (primary 14.5 -> 10.6 when that was changed).
 #include "kernels/frustum_bound.h"
@@ -69,22 +70,33 @@ static void count_end(const struct bundle *bundle, uint64_t set)
     }
 }
 
+static inline void wide_prefetch(const struct rb_wide *wide, rb_wide_child child)
+{
+    uint32_t index = rb_wide_index_of(child);
+    enum rb_wide_kind kind = rb_wide_kind_of(child);
+    const char *at = kind == RB_WIDE_NODE      ? (const char *)&wide->nodes[index]
+                     : kind == RB_WIDE_SPHERES ? (const char *)&wide->spheres[index]
+                                               : (const char *)&wide->triangles[index];
+    for (int i = 0; i < (kind == RB_WIDE_TRIANGLES ? 5 : 4); i++)
+        __builtin_prefetch(at + 64 * i);
+}
+
 // Puts the children that are needed on the stack, the nearest on top.
-static inline int push(const struct bundle *bundle, const struct rb_wide_node *node, uint64_t set,
+static inline int push(const struct rb_wide *wide, const struct bundle *bundle, struct visit from,
                        struct visit *stack, int depth)
 {
-    float enter[RB_WIDE];
+    const struct rb_wide_node *node = &wide->nodes[from.child];
     struct planes planes = planes_of(bundle, node->bounds[0][0]);
+    struct reach reach;
     int bottom = depth;
-    RB_COUNT(count_node(bundle, set));
-    RB_COUNT_STEP((1u << node->count) - 1, RB_WIDE);
+    RB_COUNT(count_node(bundle, from.set));
     RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
-    unsigned bits = bundle_boxes(bundle, &planes, enter) & ((1u << node->count) - 1);
+    bundle_reach(bundle, from.set, &planes, &reach);
+    unsigned bits = reach.boxes & ((1u << node->count) - 1);
     for (; bits; bits &= bits - 1) {
         int c = __builtin_ctz(bits), at;
-        struct visit visit = {bundle_narrow(bundle, set, &planes, c), enter[c], node->child[c]};
-        if (!visit.set)
-            continue;
+        struct visit visit = {reach.set[c], reach.enter[c], node->child[c]};
+        wide_prefetch(wide, visit.child);
         for (at = depth++; at > bottom && stack[at - 1].enter < visit.enter; at--)
             stack[at] = stack[at - 1];
         stack[at] = visit;
@@ -98,13 +110,13 @@ RB_INLINE void leaf_closest(const struct rb_world *world, struct bundle *bundle,
                             enum rb_wide_kind kind, struct hits *best)
 {
     struct leaf leaf;
+    struct reach reach;
     uint64_t closer = 0;
-    for (unsigned bits = leaf_open(bundle, world->wide, visit.child, kind, &leaf); bits;
-         bits &= bits - 1) {
+    leaf_open(bundle, world->wide, visit.child, kind, visit.set, &leaf, &reach);
+    for (unsigned bits = reach.boxes; bits; bits &= bits - 1) {
         int lane = __builtin_ctz(bits);
         struct primitive with = leaf_primitive(&leaf, lane);
-        for (uint64_t set = leaf_narrow(bundle, &leaf, lane, visit.set & bundle->open); set;
-             set &= set - 1) {
+        for (uint64_t set = reach.set[lane] & bundle->open; set; set &= set - 1) {
             int p = __builtin_ctzll(set);
             struct hits hit;
             vint found = leaf_hit(world, bundle, kind, &with, p, false, &hit);
@@ -127,12 +139,12 @@ RB_INLINE void leaf_any(const struct rb_world *world, struct bundle *bundle, str
                         enum rb_wide_kind kind)
 {
     struct leaf leaf;
-    for (unsigned bits = leaf_open(bundle, world->wide, visit.child, kind, &leaf); bits;
-         bits &= bits - 1) {
+    struct reach reach;
+    leaf_open(bundle, world->wide, visit.child, kind, visit.set, &leaf, &reach);
+    for (unsigned bits = reach.boxes; bits; bits &= bits - 1) {
         int lane = __builtin_ctz(bits);
         struct primitive with = leaf_primitive(&leaf, lane);
-        for (uint64_t set = leaf_narrow(bundle, &leaf, lane, visit.set & bundle->open); set;
-             set &= set - 1) {
+        for (uint64_t set = reach.set[lane] & bundle->open; set; set &= set - 1) {
             int p = __builtin_ctzll(set);
             struct hits hit;
             vint found = leaf_hit(world, bundle, kind, &with, p, true, &hit);
@@ -190,7 +202,7 @@ static void closest(const struct rb_world *world, struct bundle *bundle, struct 
             continue;
         enum rb_wide_kind kind = rb_wide_kind_of(visit.child);
         if (kind == RB_WIDE_NODE)
-            depth = push(bundle, &wide->nodes[visit.child], visit.set, stack, depth);
+            depth = push(wide, bundle, visit, stack, depth);
         else
             leaf_closest_of[kind](world, bundle, visit, best);
     }
@@ -211,7 +223,7 @@ static void any(const struct rb_world *world, struct bundle *bundle)
             continue;
         enum rb_wide_kind kind = rb_wide_kind_of(visit.child);
         if (kind == RB_WIDE_NODE)
-            depth = push(bundle, &wide->nodes[visit.child], visit.set, stack, depth);
+            depth = push(wide, bundle, visit, stack, depth);
         else
             leaf_any_of[kind](world, bundle, visit);
     }
@@ -233,14 +245,6 @@ static inline void sort_in(struct bundle *bundle, struct rest *rest, const struc
         bundle_add(bundle, packet, signs, limit, place);
 }
 
-// Queues come from memory: the arrays of the next bundle are asked for while this one is traced.
-RB_INLINE void prefetch_next(const void *const *arrays, size_t count, uint32_t i)
-{
-#pragma GCC unroll 8
-    for (size_t k = 0; k < count; k++)
-        __builtin_prefetch((const float *)arrays[k] + i + BUNDLE);
-}
-
 static void load_rays(const struct rb_rays *rays, uint32_t first, struct bundle *bundle,
                       struct rest *rest)
 {
@@ -254,9 +258,6 @@ static void load_rays(const struct rb_rays *rays, uint32_t first, struct bundle 
             .self = vi_load(rays->self + i),
         };
         vint wanted = vi_first(rays->count - i) & vv_finite(packet.o) & vv_finite(packet.d);
-        const void *next[] = {rays->ox, rays->oy, rays->oz,  rays->dx,
-                              rays->dy, rays->dz, rays->self};
-        prefetch_next(next, sizeof next / sizeof *next, i);
         sort_in(bundle, rest, &packet, wanted, vf_set(INFINITY), i);
     }
 }
@@ -344,9 +345,6 @@ static void load_shadows(const struct rb_shadows *shadows, uint32_t first, struc
             .self = vi_load(shadows->self + i),
             .shadow = true,
         };
-        const void *next[] = {shadows->ox, shadows->oy, shadows->oz,   shadows->dx,
-                              shadows->dy, shadows->dz, shadows->self, shadows->distance};
-        prefetch_next(next, sizeof next / sizeof *next, i);
         vint wanted = vi_first(shadows->count - i) & vv_finite(packet.o) & vv_finite(packet.d);
         sort_in(bundle, rest, &packet, wanted, vf_load(shadows->distance + i), i);
     }

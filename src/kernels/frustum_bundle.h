@@ -16,8 +16,9 @@ enum {
     PACKETS = BUNDLE / RB_LANES,
     PARTS = PACKETS / RB_LANES,                      // vectors with a lane for each packet
     BOXES = RB_LANES < RB_WIDE ? RB_LANES : RB_WIDE, // a vector holds
+    FEW = 4,                                         // packets that meet boxes one by one
     CREDIT_NEAR = 64, // tests in vain after which a packet is given up: rays from one point,
-    CREDIT_FAR = 16,  // other rays
+    CREDIT_FAR = 8,   // other rays
 };
 
 // A beam in every lane.
@@ -121,17 +122,24 @@ RB_INLINE unsigned beams_meet(const struct beams *beams, const int backward[3],
     return vi_bits(from <= vf_min(to * RB_FAR_SCALE, beams->limit));
 }
 
+// Loads the planes of boxes from `lane` on.
+RB_INLINE void planes_load(const struct planes *planes, int lane, vfloat near[3], vfloat far[3])
+{
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        near[k] = vf_load8(planes->near[k] + lane);
+        far[k] = vf_load8(planes->far[k] + lane);
+    }
+}
+
 // The boxes that any ray in work may meet, one bit each.
 RB_INLINE unsigned bundle_boxes(const struct bundle *bundle, const struct planes *planes,
                                 float enter[RB_WIDE])
 {
     unsigned bits = 0;
     for (int lane = 0; lane < RB_WIDE; lane += BOXES) {
-        vfloat from;
-        const vfloat near[3] = {vf_load8(planes->near[0] + lane), vf_load8(planes->near[1] + lane),
-                                vf_load8(planes->near[2] + lane)};
-        const vfloat far[3] = {vf_load8(planes->far[0] + lane), vf_load8(planes->far[1] + lane),
-                               vf_load8(planes->far[2] + lane)};
+        vfloat near[3], far[3], from;
+        planes_load(planes, lane, near, far);
         bits |= beams_meet(&bundle->all, bundle->backward, near, far, &from) << lane;
         vf_store8(enter + lane, from);
     }
@@ -157,6 +165,69 @@ RB_INLINE uint64_t bundle_narrow(const struct bundle *bundle, uint64_t set,
         RB_COUNT_STEP(asked, RB_LANES);
     }
     return set & bits;
+}
+
+// The beam of packet p, in all lanes.
+RB_INLINE struct beams bundle_beam(const struct bundle *bundle, int p)
+{
+    const struct beams *from = &bundle->by_packet[p / RB_LANES];
+    int lane = p % RB_LANES;
+    struct beams beam = {.limit = vf_set(from->limit[lane])};
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++)
+#pragma GCC unroll 2
+        for (int end = 0; end < 2; end++) {
+            beam.o[k][end] = vf_set(from->o[k][end][lane]);
+            beam.inv[k][end] = vf_set(from->inv[k][end][lane]);
+        }
+    return beam;
+}
+
+// Which packets may meet which of 8 boxes, and where at the earliest.
+struct reach {
+    unsigned boxes; // that are met, one bit each
+    uint64_t set[RB_WIDE];
+    float enter[RB_WIDE];
+};
+
+// Few packets meet all boxes one after the other, and that is all.
+RB_INLINE void reach_few(const struct bundle *bundle, uint64_t set, const struct planes *planes,
+                         struct reach *reach)
+{
+    for (int lane = 0; lane < RB_WIDE; lane += BOXES) {
+        vfloat near[3], far[3], from, first = vf_set(INFINITY);
+        planes_load(planes, lane, near, far);
+        for (uint64_t left = set; left; left &= left - 1) {
+            int p = __builtin_ctzll(left);
+            struct beams beam = bundle_beam(bundle, p);
+            unsigned bits = beams_meet(&beam, bundle->backward, near, far, &from);
+            bits &= (1u << BOXES) - 1;
+            first = vf_min(from, first);
+            reach->boxes |= bits << lane;
+            for (; bits; bits &= bits - 1)
+                reach->set[lane + __builtin_ctz(bits)] |= (uint64_t)1 << p;
+            RB_COUNT_STEP((1u << BOXES) - 1, BOXES);
+        }
+        vf_store8(reach->enter + lane, first);
+    }
+}
+
+RB_INLINE void bundle_reach(const struct bundle *bundle, uint64_t set, const struct planes *planes,
+                            struct reach *reach)
+{
+    reach->boxes = 0;
+    memset(reach->set, 0, sizeof reach->set);
+    if (__builtin_popcountll(set) <= FEW) {
+        reach_few(bundle, set, planes, reach);
+        return;
+    }
+    RB_COUNT_STEP((1u << RB_WIDE) - 1, RB_WIDE);
+    unsigned bits = bundle_boxes(bundle, planes, reach->enter) & ((1u << RB_WIDE) - 1);
+    for (; bits; bits &= bits - 1) {
+        int lane = __builtin_ctz(bits);
+        reach->set[lane] = bundle_narrow(bundle, set, planes, lane);
+        reach->boxes |= (reach->set[lane] ? 1u : 0u) << lane;
+    }
 }
 
 // The limit of packet p has changed; bundle_limit_all follows when all such are known.

@@ -41,38 +41,37 @@ RB_INLINE void triangle_bounds(struct leaf *leaf)
         }
 }
 
-// Opens a leaf. Returns the primitives that any ray may meet, one bit each.
-RB_INLINE unsigned leaf_open(const struct bundle *bundle, const struct rb_wide *wide,
-                             rb_wide_child child, enum rb_wide_kind kind, struct leaf *leaf)
+// The primitives there are, one bit each.
+static unsigned leaf_lanes(const uint32_t ids[RB_WIDE])
 {
     unsigned bits = 0;
-    float enter[RB_WIDE];
+    for (int lane = 0; lane < RB_WIDE; lane++)
+        bits |= (ids[lane] != RB_NONE ? 1u : 0u) << lane;
+    return bits;
+}
+
+// Opens a leaf for the packets of `set`, and finds which of them may meet which primitive. The
+// bounds of missing ones are NaN, and no beam meets them.
+RB_INLINE void leaf_open(const struct bundle *bundle, const struct rb_wide *wide,
+                         rb_wide_child child, enum rb_wide_kind kind, uint64_t set,
+                         struct leaf *leaf, struct reach *reach)
+{
     leaf->wide = wide;
     leaf->kind = kind;
     leaf->block = rb_wide_index_of(child);
     leaf->ids = rb_wide_ids(wide, child);
-    for (int lane = 0; lane < RB_WIDE; lane++)
-        bits |= (leaf->ids[lane] != RB_NONE ? 1u : 0u) << lane;
     if (kind == RB_WIDE_SPHERES)
         sphere_bounds(leaf);
     else if (kind == RB_WIDE_TRIANGLES)
         triangle_bounds(leaf);
-    else
-        return bits;
+    if (kind == RB_WIDE_OTHERS) {
+        reach->boxes = leaf_lanes(leaf->ids);
+        for (int lane = 0; lane < RB_WIDE; lane++)
+            reach->set[lane] = set;
+        return;
+    }
     struct planes planes = planes_of(bundle, leaf->bounds[0][0]);
-    bits &= bundle_boxes(bundle, &planes, enter);
-    RB_COUNT_STEP(bits, RB_WIDE);
-    return bits;
-}
-
-// Of the packets in `set` those that may meet primitive `lane` of the leaf.
-RB_INLINE uint64_t leaf_narrow(const struct bundle *bundle, const struct leaf *leaf, int lane,
-                               uint64_t set)
-{
-    if (leaf->kind == RB_WIDE_OTHERS)
-        return set;
-    struct planes planes = planes_of(bundle, leaf->bounds[0][0]);
-    return bundle_narrow(bundle, set, &planes, lane);
+    bundle_reach(bundle, set, &planes, reach);
 }
 
 // One primitive of a leaf; of `sphere` and `triangle` that which it is.

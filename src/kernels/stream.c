@@ -8,11 +8,27 @@
 // nearer. A visit is a node and the list of its rays. Rays that have found something closer than
 // the node drop out when the boxes of its children are tested.
 //
-// Against single rays (wide.c), ns a ray on one Zen 4 thread beside other load: diffuse rays of
-// balls_high 93 -> 47, balls6 190 -> 133, mount9 252 -> 170. Tried and dropped: octants that take
-// turns, to hide misses (mount9 diffuse 10 % slower); streams of 1024 rays (the same, or 7 %
-// slower); lists of one ray that go on alone (the same); mask registers (the same); 8 rays against
-// one box after the other in long lists (20 to 40 % slower as gcc compiled it).
+// A ray that goes into the sphere it starts on has that hit before it begins, and is culled by it.
+//
+// Against single rays (wide.c), ns a ray on one Zen 4 thread: diffuse rays of balls_high 90 -> 28,
+// balls6 190 -> 103, mount9 252 -> 94. What the last steps brought on balls_high, in ns for
+// diffuse, reflected, refracted, shadow rays:
+//   one step per leaf, rays of 64 bytes                  42.8  38.7  26.0  27.5
+//   rays of 32 bytes, hits written where they belong     41.5  37.7  25.1  27.8
+//   two steps, own sphere first                          33.4  31.6  17.7  22.1
+//   queue to rays by transposing in registers            31.0  29.0  15.2  19.4
+//   pairs of rays and spheres                            28.4  25.9  14.0  18.6
+//   octants of coherent rays by whole vectors            28.4  25.1  13.1  17.7
+// Two steps for triangles: mount6 diffuse 44 -> 37, mount9 106 -> 94. What bounds a visit now is
+// latency: 30 vector operations a ray, of which the scheduler holds those of four or five rays.
+//
+// Tried and dropped: octants that take turns, to hide misses (mount9 diffuse 10 % slower); streams
+// of 1024 rays (the same, or 7 % slower); lists of one ray that go on alone (the same); mask
+// registers (the same); 8 rays against one box after the other in long lists (20 to 40 % slower as
+// gcc compiled it); rays stored octant by octant (diffuse the same, others 5 to 10 % slower);
+// minima and maxima of distances as integers, on other ports (1 to 3 % slower); AVX-512, two rays
+// against 8 boxes (5 to 18 % slower); pairs met at the end of each leaf (balls6 diffuse 5 %
+// slower).
 //
 // Compiled once per instruction set (Makefile); the object's name of the kernel set comes with it.
 #include "kernels/wide_lanes.h"
@@ -20,7 +36,7 @@
 #include "kernels/packet_generate.h"
 #include "kernels/packet_light.h"
 #include "kernels/packet_surface.h"
-#include "kernels/stream_rays.h"
+#include "kernels/stream_leaves.h"
 #include "kernels/wide_single.h"
 
 #ifndef RB_STREAM
@@ -50,89 +66,14 @@ static void go_alone(struct stream *stream, const struct visit *visit)
         struct rb_ray one = ray_of(stream, index);
         struct wide_ray ray;
         wide_ray_make(&one, &ray);
-        struct rb_hit *best = &stream->ray[index].best;
         RB_COUNT_BEGIN(stream->begin + index);
-        if (stream->sides != RB_SIDES_BOTH)
-            *best = single_closest(stream->world, visit->child, &ray, *best);
-        else if (single_any(stream->world, visit->child, &ray, best->t))
-            *best = OCCLUDED;
-    }
-}
-
-// Leaves of what has no vector form.
-static void visit_others(struct stream *stream, const struct visit *visit)
-{
-    const uint32_t *ids = rb_wide_ids(stream->world->wide, visit->child);
-    for (uint32_t i = 0; i < visit->count; i++) {
-        uint32_t index = stream->pool[visit->list + i];
-        struct rb_ray ray = ray_of(stream, index);
-        struct rb_hit *best = &stream->ray[index].best;
-        RB_COUNT_BEGIN(stream->begin + index);
-        if (stream->sides != RB_SIDES_BOTH)
-            *best = leaf_one_by_one(stream->world, ids, &ray, *best);
-        else if (leaf_one_by_one(stream->world, ids, &ray, RB_MISS).t < best->t)
-            *best = OCCLUDED;
-    }
-}
-
-static inline void take(const struct stream *stream, const struct wide_hits *hits,
-                        struct rb_hit *best)
-{
-    if (stream->sides != RB_SIDES_BOTH)
-        *best = keep_closest(hits, *best);
-    else if (vi_any(hits->found & (hits->t < best->t)))
-        *best = OCCLUDED;
-}
-
-// The rays of a visit against part of a block, which stays in registers.
-RB_INLINE void visit_part(struct stream *stream, const struct visit *visit, int lane,
-                          enum rb_wide_kind kind)
-{
-    const struct rb_wide *wide = stream->world->wide;
-    uint32_t block = rb_wide_index_of(visit->child);
-    struct wide_spheres spheres;
-    struct wide_triangles triangles;
-    if (kind == RB_WIDE_SPHERES)
-        spheres = wide_spheres_load(&wide->spheres[block], lane);
-    else
-        triangles = wide_triangles_load(&wide->triangles[block], lane);
-    for (uint32_t i = 0; i < visit->count; i++) {
-        struct stream_ray *from = &stream->ray[stream->pool[visit->list + i]];
-        struct rb_ray one = {.self = from->self, .sides = stream->sides};
-        struct wide_ray ray = {
-            .o = vv_set(from->o), .inv = vv_set(from->inv), .d = vv_set(from->d), .one = &one};
-        struct wide_hits hits = kind == RB_WIDE_SPHERES ? wide_spheres_hit(&spheres, &ray)
-                                                        : wide_triangles_hit(&triangles, &ray);
-        take(stream, &hits, &from->best);
-    }
-}
-
-static void visit_spheres(struct stream *stream, const struct visit *visit)
-{
-    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
-        visit_part(stream, visit, lane, RB_WIDE_SPHERES);
-}
-
-static void visit_triangles(struct stream *stream, const struct visit *visit)
-{
-    for (int lane = 0; lane < RB_WIDE; lane += RB_LANES)
-        visit_part(stream, visit, lane, RB_WIDE_TRIANGLES);
-}
-
-static void visit_leaf(struct stream *stream, const struct visit *visit)
-{
-    enum rb_wide_kind kind = rb_wide_kind_of(visit->child);
-    if (kind == RB_WIDE_OTHERS || stream->sides == RB_SIDES_FRONT) {
-        visit_others(stream, visit);
-        return;
-    }
-    if (kind == RB_WIDE_SPHERES)
-        visit_spheres(stream, visit);
-    else
-        visit_triangles(stream, visit);
-    for (uint32_t i = 0; RB_COUNTS && i < visit->count; i++) {
-        RB_COUNT_BEGIN(stream->begin + stream->pool[visit->list + i]);
-        RB_COUNT(count_leaf(stream->world->wide, visit->child));
+        if (!stream->occluded) {
+            struct rb_hit best = best_of(stream, index);
+            best = single_closest(stream->world, visit->child, &ray, best);
+            keep(stream, index, &best);
+        } else if (single_any(stream->world, visit->child, &ray, stream->ray[index].t)) {
+            keep_occluded(stream, index);
+        }
     }
 }
 
@@ -170,7 +111,7 @@ static void test_node(struct stream *stream, const struct rb_wide_node *node,
         const struct stream_ray *one = &stream->ray[index];
         struct wide_ray ray;
         ray.o = vv_set(one->o), ray.inv = vv_set(one->inv);
-        vfloat limit = vf_set(one->best.t);
+        vfloat limit = vf_set(one->t);
         unsigned bits = 0;
         for (int part = 0; part < WIDE_PARTS; part++) {
             vfloat from, to;
@@ -268,21 +209,45 @@ static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint3
         else
             depth = visit_node(stream, &visit, top, depth);
     }
+    if (stream->pairs.count)
+        meet_pairs(stream);
+}
+
+// Lists the rays octant by octant, from the start of the pool; first[i] is where octant i begins.
+// Coherent rays are dealt with by whole vectors.
+static void sort_octants(struct stream *stream, uint32_t first[OCTANTS + 2])
+{
+    uint32_t next[OCTANTS + 1];
+    memset(first, 0, (OCTANTS + 2) * sizeof *first);
+    for (uint32_t i = 0; i < stream->count; i += RB_LANES) {
+        const uint32_t *octant = stream->octant + i;
+        if (!vi_any(vi_load(octant) != vi_set(*octant)))
+            first[*octant + 1] += RB_LANES;
+        else
+            for (uint32_t lane = 0; lane < RB_LANES; lane++)
+                first[octant[lane] + 1]++;
+    }
+    for (int octant = 0; octant < OCTANTS; octant++)
+        first[octant + 1] += first[octant];
+    memcpy(next, first, sizeof next);
+    for (uint32_t i = 0; i < stream->count; i += RB_LANES) {
+        const uint32_t *octant = stream->octant + i;
+        if (!vi_any(vi_load(octant) != vi_set(*octant))) {
+            vi_store(stream->pool + next[*octant], vi_set(i) + vi_lanes());
+            next[*octant] += RB_LANES;
+        } else {
+            for (uint32_t lane = 0; lane < RB_LANES; lane++)
+                stream->pool[next[octant[lane]]++] = i + lane;
+        }
+    }
 }
 
 static void run(struct stream *stream)
 {
-    uint32_t first[OCTANTS + 2] = {0}; // of each octant, in the pool
+    uint32_t first[OCTANTS + 2];
     if (stream->world->wide->count[RB_WIDE_NODE] == 0)
         return;
-    for (uint32_t i = 0; i < stream->count; i++)
-        first[stream->octant[i] + 1]++;
-    for (int octant = 0; octant < OCTANTS; octant++)
-        first[octant + 1] += first[octant];
-    uint32_t next[OCTANTS + 1];
-    memcpy(next, first, sizeof next);
-    for (uint32_t i = 0; i < stream->count; i++)
-        stream->pool[next[stream->octant[i]]++] = i;
+    sort_octants(stream, first);
     for (int octant = 0; octant < OCTANTS; octant++) {
         uint32_t count = first[octant + 1] - first[octant];
         for (int k = 0; k < 3; k++)
@@ -297,16 +262,19 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
     struct source source = {rays->ox, rays->oy, rays->oz,   rays->dx, rays->dy,
                             rays->dz, NULL,     rays->self, 0,        rays->count};
     struct stream stream;
+    stream.pairs = (struct pairs){0};
     stream.world = world;
     stream.sides = world->one_sided ? RB_SIDES_FRONT : RB_SIDES_VISIBLE;
+    stream.occluded = NULL;
     for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream.found = (struct rb_hits){hits->t + source.begin, hits->u + source.begin,
+                                        hits->v + source.begin, hits->prim + source.begin};
         stream_fill(&stream, &source);
         run(&stream);
-        for (uint32_t i = 0; i < stream.count; i++) {
-            rb_hit_store(hits, source.begin + i, &stream.ray[i].best);
-            RB_COUNT_BEGIN(source.begin + i);
-            RB_COUNT_RAYS(HITS, stream.ray[i].best.prim != RB_NONE, 1);
-        }
+    }
+    for (uint32_t i = 0; RB_COUNTS && i < rays->count; i++) {
+        RB_COUNT_BEGIN(i);
+        RB_COUNT_RAYS(HITS, hits->prim[i] != RB_NONE, 1);
     }
 }
 
@@ -316,15 +284,16 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
                             shadows->dy, shadows->dz,   shadows->distance, shadows->self,
                             0,           shadows->count};
     struct stream stream;
+    stream.pairs = (struct pairs){0};
     stream.world = world;
     stream.sides = RB_SIDES_BOTH;
     for (; source.begin < source.end; source.begin += STREAM_MAX) {
+        stream.occluded = shadows->occluded + source.begin;
         stream_fill(&stream, &source);
         run(&stream);
-        for (uint32_t i = 0; i < stream.count; i++) {
-            shadows->occluded[source.begin + i] = stream.ray[i].best.prim != RB_NONE;
-            RB_COUNT_BEGIN(source.begin + i);
-            RB_COUNT_RAYS(OCCLUDED, shadows->occluded[source.begin + i], 1);
-        }
+    }
+    for (uint32_t i = 0; RB_COUNTS && i < shadows->count; i++) {
+        RB_COUNT_BEGIN(i);
+        RB_COUNT_RAYS(OCCLUDED, shadows->occluded[i], 1);
     }
 }

@@ -6,6 +6,7 @@
 // Compiled once per instruction set (Makefile); the object's name of the kernel set comes with it.
 #include "kernels/wide_lanes.h"
 
+#include "kernels/one_by_one.h"
 #include "kernels/packet_generate.h"
 #include "kernels/packet_light.h"
 #include "kernels/packet_surface.h"
@@ -48,23 +49,10 @@ static bool any(const struct rb_world *world, const struct rb_ray *one, float di
 
 static void trace(const struct rb_world *world, const struct rb_rays *rays, struct rb_hits *hits)
 {
-    for (uint32_t i = 0; i < rays->count; i++) {
-        struct rb_ray ray = rb_ray_load(rays, i, world->one_sided);
-        RB_COUNT_BEGIN(i);
-        struct rb_hit hit = rb_ray_valid(&ray) ? closest(world, &ray) : RB_MISS;
-        RB_COUNT_END(1);
-        RB_COUNT_RAYS(HITS, hit.prim != RB_NONE, 1);
-        rb_hit_store(hits, i, &hit);
-    }
+    trace_one_by_one(world, rays, hits, closest);
 }
 
 static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadows)
 {
-    for (uint32_t i = 0; i < shadows->count; i++) {
-        struct rb_ray ray = rb_shadow_load(shadows, i);
-        RB_COUNT_BEGIN(i);
-        shadows->occluded[i] = rb_ray_valid(&ray) && any(world, &ray, shadows->distance[i]);
-        RB_COUNT_END(1);
-        RB_COUNT_RAYS(OCCLUDED, shadows->occluded[i], 1);
-    }
+    trace_shadow_one_by_one(world, shadows, any);
 }

@@ -19,6 +19,8 @@ enum { WIDE_PARTS = RB_WIDE / RB_LANES };
 struct wide_ray {
     struct vvec o, d, inv;
     int backward[3]; // 1 where the direction is negative: which of two planes is nearer
+    vint self;
+    enum rb_sides sides;
     const struct rb_ray *one;
 };
 
@@ -30,6 +32,8 @@ RB_INLINE void wide_ray_make(const struct rb_ray *ray, struct wide_ray *wide)
     wide->backward[0] = ray->inv.x < 0.0f;
     wide->backward[1] = ray->inv.y < 0.0f;
     wide->backward[2] = ray->inv.z < 0.0f;
+    wide->self = vi_set(ray->self);
+    wide->sides = ray->sides;
     wide->one = ray;
 }
 
@@ -125,6 +129,18 @@ RB_INLINE struct wide_spheres wide_spheres_load(const struct rb_wide_spheres *bl
     };
 }
 
+// Spheres that the ray may hit, its own one excepted. It leaves none of those it hits behind b +
+// reach, since rounding is monotone, and so is the root.
+RB_INLINE vint wide_spheres_ahead(const struct wide_spheres *spheres, const struct wide_ray *ray)
+{
+    vfloat square = spheres->radius * spheres->radius, reach = vf_sqrt(square);
+    struct vvec l = vv_sub(spheres->center, ray->o);
+    vfloat b = vv_dot(l, ray->d);
+    struct vvec apart = vv_mad(l, -b, ray->d);
+    vfloat discriminant = square - vv_dot(apart, apart);
+    return (discriminant >= 0.0f) & (b + reach > 0.0f) & (spheres->prim != ray->self);
+}
+
 // rb_sphere_hit
 RB_INLINE struct wide_hits wide_spheres_hit(const struct wide_spheres *spheres,
                                             const struct wide_ray *ray)
@@ -138,11 +154,11 @@ RB_INLINE struct wide_hits wide_spheres_hit(const struct wide_spheres *spheres,
     struct wide_hits hits;
     hits.found = discriminant >= 0.0f;
     hits.prim = spheres->prim;
-    vint own = hits.prim == vi_set(ray->one->self);
+    vint own = hits.prim == ray->self;
     vfloat root = vf_sqrt(discriminant);
     vfloat enter = b - root, leave = vf_select(own, b + b, b + root);
     vint take_enter = (enter > 0.0f) & ~own;
-    if (ray->one->sides == RB_SIDES_BOTH)
+    if (ray->sides == RB_SIDES_BOTH)
         hits.found &= ~own;
     else
         take_enter &= ~(radius < 0.0f);
@@ -193,26 +209,39 @@ RB_INLINE struct wide_triangles wide_triangles_load(const struct rb_wide_triangl
     return of;
 }
 
-// rb_triangle_hit
-RB_INLINE struct wide_hits wide_triangles_hit(const struct wide_triangles *of,
-                                              const struct wide_ray *ray)
+// How the ray passes the edges of triangles: what rb_triangle_test calls so.
+struct wide_edges {
+    vfloat us, vs, area, t; // t times area
+    vint found;
+};
+
+RB_INLINE struct wide_edges wide_triangles_edges(const struct wide_triangles *of,
+                                                 const struct wide_ray *ray)
 {
     struct vvec s = vv_sub(ray->o, of->v0), p = vv_cross(ray->d, of->e2), q = vv_cross(s, of->e1);
     vfloat det = vv_dot(of->e1, p), area = vf_abs(det);
     vint flip = (vint)det & vi_set(0x80000000u); // a product with the sign of det
     vfloat us = (vfloat)((vint)vv_dot(s, p) ^ flip);
     vfloat vs = (vfloat)((vint)vv_dot(ray->d, q) ^ flip);
+    vfloat t = (vfloat)((vint)vv_dot(of->e2, q) ^ flip);
     vfloat slack = RB_EDGE_TOLERANCE * vv_reach(s) * of->reach;
-    struct wide_hits hits;
-    hits.found = (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) & (area >= FLT_MIN);
+    vint found = (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) & (area >= FLT_MIN) &
+                 (of->prim != ray->self);
+    return (struct wide_edges){us, vs, area, t, found};
+}
+
+// rb_triangle_hit
+RB_INLINE struct wide_hits wide_triangles_hit(const struct wide_triangles *of,
+                                              const struct wide_ray *ray)
+{
+    struct wide_edges edges = wide_triangles_edges(of, ray);
+    struct wide_hits hits = {.found = edges.found, .prim = of->prim};
     if (!vi_any(hits.found))
         return hits;
-    vfloat inverse = 1.0f / area, zero = vf_set(0.0f), one = vf_set(1.0f);
-    hits.t = (vfloat)((vint)vv_dot(of->e2, q) ^ flip) * inverse;
-    hits.u = vf_min(vf_max(us * inverse, zero), one);
-    hits.v = vf_min(vf_max(vs * inverse, zero), one - hits.u);
-    hits.prim = of->prim;
-    hits.found &= hits.prim != vi_set(ray->one->self);
+    vfloat inverse = 1.0f / edges.area, zero = vf_set(0.0f), one = vf_set(1.0f);
+    hits.t = edges.t * inverse;
+    hits.u = vf_min(vf_max(edges.us * inverse, zero), one);
+    hits.v = vf_min(vf_max(edges.vs * inverse, zero), one - hits.u);
     struct vvec near, far;
     wide_ends(of->v0.x, of->v1.x, of->v2.x, ray->inv.x, &near.x, &far.x);
     wide_ends(of->v0.y, of->v1.y, of->v2.y, ray->inv.y, &near.y, &far.y);

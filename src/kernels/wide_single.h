@@ -95,7 +95,7 @@ RB_INLINE struct rb_hit keep_closest(const struct wide_hits *hits, struct rb_hit
 RB_INLINE struct rb_hit leaf_closest(const struct rb_world *world, rb_wide_child leaf,
                                      const struct wide_ray *ray, struct rb_hit best)
 {
-    if (rb_wide_kind_of(leaf) == RB_WIDE_OTHERS || ray->one->sides == RB_SIDES_FRONT)
+    if (rb_wide_kind_of(leaf) == RB_WIDE_OTHERS || ray->sides == RB_SIDES_FRONT)
         return leaf_one_by_one(world, rb_wide_ids(world->wide, leaf), ray->one, best);
     for (int lane = 0; lane < RB_WIDE; lane += RB_LANES) {
         struct wide_hits hits = leaf_part(world->wide, leaf, lane, ray);

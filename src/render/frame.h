@@ -23,8 +23,8 @@ struct rb_frame {
 
     // Of the running render:
     struct rb_run_options how; // its tile_count is that of the frame if there are no `tiles`
-    atomic_uint next_tile, tiles_done;
-    int thread_count; // that took part
+    atomic_uint next_tile, tiles_done; // next_tile counts batches in a replay
+    int thread_count;                  // that took part
 };
 
 struct rb_worker {
@@ -32,10 +32,15 @@ struct rb_worker {
     struct rb_queues queues;
     struct rb_recorder recorder;
     struct rb_count_table counts;
+    struct rb_event_counter counter;
     uint64_t hits_hash;  // sum over all rays, so that their order cannot matter
     struct rb_span span; // in the making
     bool reports;        // calls frame->progress
 };
+
+// Before the first and after the last stage, in the worker's own thread.
+void rb_worker_begin(struct rb_worker *worker);
+void rb_worker_end(struct rb_worker *worker);
 
 // Ends a stage: everything since the last one was `stage` at `bounce`.
 void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, uint64_t rays);
@@ -53,10 +58,11 @@ struct rb_children {
 struct rb_children rb_worker_shade(struct rb_worker *worker, int bounce, const struct rb_rays *rays,
                                    const struct rb_hits *hits, rb_flush_fn *flush, void *user);
 
-// Renders tiles until none is left; called once by every worker, in its own thread.
+// Renders tiles, or replays batches, until none is left; called once by every worker, in its own
+// thread.
 void rb_worker_run(struct rb_worker *worker);
 
-// Goes through frame->how.replay.
+// The latter: batches of frame->how.replay, round after round.
 void rb_worker_replay(struct rb_worker *worker);
 
 #endif

@@ -30,8 +30,27 @@ void rb_worker_lap(struct rb_worker *worker, enum rb_stage stage, int bounce, ui
     rb_probe_lap(&worker->recorder, stage, bounce, rays);
     if (frame->how.simulate_from)
         rb_simulate_lap(stage, bounce, rays);
+    if (frame->how.events && !frame->how.replay) {
+        rb_events_lap(&worker->counter, stage, bounce);
+        rb_probe_start(&worker->recorder); // reading them is no part of a frame
+    }
     if (frame->how.counts)
         rb_counts_take(&worker->counts.at[stage][bounce]);
+}
+
+void rb_worker_begin(struct rb_worker *worker)
+{
+    if (worker->frame->how.events)
+        rb_events_open(&worker->counter, worker->frame->how.event_group);
+    rb_probe_start(&worker->recorder);
+}
+
+void rb_worker_end(struct rb_worker *worker)
+{
+    if (worker->frame->how.simulate_from)
+        rb_simulate_stop();
+    if (worker->frame->how.events)
+        rb_events_close(&worker->counter);
 }
 
 static uint64_t hash_hits(const struct rb_rays *rays, const struct rb_hits *hits, uint32_t sample)
@@ -198,14 +217,11 @@ static void begin_simulation(struct rb_worker *worker)
     rb_simulate_begin();
 }
 
-void rb_worker_run(struct rb_worker *worker)
+static void render_tiles(struct rb_worker *worker)
 {
     struct rb_frame *frame = worker->frame;
-    fenv_t saved;
-    rb_fpenv_enter(&saved);
     rb_counting.cost = frame->how.heat ? worker->queues.cost : NULL;
     rb_counting.chosen = frame->how.heat_of;
-    rb_probe_start(&worker->recorder);
     for (;;) {
         uint32_t next = atomic_fetch_add(&frame->next_tile, 1);
         if (next >= frame->how.tile_count)
@@ -223,7 +239,15 @@ void rb_worker_run(struct rb_worker *worker)
         rb_worker_lap(worker, RB_STAGE_OTHER, 0, 0);
     }
     rb_counting.cost = NULL;
-    if (frame->how.simulate_from)
-        rb_simulate_stop();
+}
+
+void rb_worker_run(struct rb_worker *worker)
+{
+    const struct rb_run_options *how = &worker->frame->how;
+    fenv_t saved;
+    rb_fpenv_enter(&saved);
+    rb_worker_begin(worker);
+    (how->replay ? rb_worker_replay : render_tiles)(worker);
+    rb_worker_end(worker);
     rb_fpenv_leave(&saved);
 }

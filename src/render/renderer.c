@@ -175,14 +175,6 @@ static void add_counts(struct rb_count_table *to, const struct rb_count_table *f
             rb_counts_add(&to->at[stage][bounce], &from->at[stage][bounce]);
 }
 
-// A schedule of recorded batches.
-static void replay(struct rb_frame *frame, struct rb_worker *workers, int count)
-{
-    (void)count;
-    frame->thread_count = 1;
-    rb_worker_replay(&workers[0]);
-}
-
 void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *options,
                      struct rb_run_result *result)
 {
@@ -199,6 +191,8 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     for (int i = 0; i < count; i++) {
         renderer->workers[i].recorder = (struct rb_recorder){0};
         renderer->workers[i].counts = (struct rb_count_table){0};
+        if (options->events) // not all of them need take part
+            renderer->workers[i].counter.table = (struct rb_event_table){.cost_ticks = 0};
         renderer->workers[i].hits_hash = 0;
     }
     rb_film_clear(&frame->film);
@@ -206,7 +200,7 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
     fenv_t saved;
     rb_fpenv_enter(&saved);
     uint64_t start_ns = rb_clock_ns();
-    (frame->how.replay ? replay : renderer->variant->schedule)(frame, renderer->workers, count);
+    renderer->variant->schedule(frame, renderer->workers, count);
     *result = (struct rb_run_result){
         .wall_ns = rb_clock_ns() - start_ns,
         .thread_count = frame->thread_count,
@@ -218,6 +212,8 @@ void rb_renderer_run(struct rb_renderer *renderer, const struct rb_run_options *
         result->hits_hash += renderer->workers[i].hits_hash;
         if (options->counts)
             add_counts(options->counts, &renderer->workers[i].counts);
+        if (options->events)
+            rb_event_table_add(options->events, &renderer->workers[i].counter.table);
     }
     result->image_hash = image_hash(frame);
     rb_fpenv_leave(&saved);

@@ -12,6 +12,7 @@
 #define RB_RENDER_RENDERER_H
 
 #include "base/vec.h"
+#include "measure/events.h"
 #include "render/counted.h"
 #include "render/replay.h"
 #include "render/settings.h"
@@ -48,7 +49,7 @@ struct rb_run_options {
     bool hash_hits;                     // costs time
     const struct rb_observer *observer; // may be NULL; its time is not the frame's
     // Not NULL: instead of tiles run one kernel on recorded batches, which the renderer has checked
-    // (replay.h), in one thread. Pixels and image hash then mean nothing.
+    // (replay.h), which the threads of the row share. Pixels and image hash then mean nothing.
     const struct rb_replay *replay;
     // Not NULL: the twins of the row's kernels run, and what they count is added here. Times are
     // meaningless then. The row must have twins (rb_variant.counted).
@@ -64,6 +65,10 @@ struct rb_run_options {
     // For one worker, with `tiles`: from this index on, stages are laps of measure/simulate.h, and
     // hits are not hashed; 0: none. The tiles before it warm the caches.
     uint32_t simulate_from;
+    // Not NULL: the events of the group are counted in every thread, and added here. In a replay,
+    // whose batches must be of one bounce then, they are read at its end alone.
+    struct rb_event_table *events;
+    const struct rb_event_group *event_group;
     // Called by one of the workers after each of its tiles; may be NULL.
     void (*progress)(void *user, uint32_t done, uint32_t total);
     void *user;

@@ -231,19 +231,21 @@ static void drop_shadows(struct rb_worker *worker, int bounce, void *user)
 
 void rb_worker_replay(struct rb_worker *worker)
 {
-    struct call call = {.replay = worker->frame->how.replay, .flush = drop_shadows};
-    fenv_t saved;
-    rb_fpenv_enter(&saved);
-    rb_probe_start(&worker->recorder);
-    for (uint32_t round = 0; round < call.replay->rounds; round++) {
-        if (round && round == worker->frame->how.simulate_from)
+    struct rb_frame *frame = worker->frame;
+    struct call call = {.replay = frame->how.replay, .flush = drop_shadows};
+    size_t count = call.replay->count;
+    for (;;) {
+        size_t next = atomic_fetch_add(&frame->next_tile, 1);
+        if (next >= count * call.replay->rounds)
+            break;
+        if (next && next == count * frame->how.simulate_from)
             rb_simulate_begin();
-        for (call.index = 0; call.index < call.replay->count; call.index++)
-            run_call(worker, &call);
+        call.index = next % count;
+        run_call(worker, &call);
     }
-    if (worker->frame->how.simulate_from)
-        rb_simulate_stop();
-    rb_fpenv_leave(&saved);
+    // One kernel at one bounce is all there was: reading them once is enough, and costs nothing.
+    if (frame->how.events && count)
+        rb_events_lap(&worker->counter, call.replay->kernel, call.replay->batches[0].bounce);
 }
 
 size_t rb_replay_group_end(const struct rb_replay *replay, size_t first)

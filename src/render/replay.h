@@ -15,7 +15,7 @@ struct rb_replay {
     enum rb_stage kernel; // one of the four
     const struct rb_batch *batches;
     size_t count;
-    uint32_t rounds; // how often to go over all of them
+    uint32_t rounds; // how often to go over all of them; together fewer than 2^32 batches
 };
 
 // Can the renderer be trusted with these batches? RB_INVALID if they are not of its settings or

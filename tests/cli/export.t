@@ -11,6 +11,15 @@ shape() { perl tests/cli/data/check_export.pl "$1" "$2" >"$tmp/err" 2>&1; }
 copy() { rm -rf "$tmp/bad" && cp -r "$data" "$tmp/bad"; }
 says() { grep -qE -e "$1" "$tmp/err"; }
 
+# One line that says what is missing, or a picture.
+plots() {
+    if scripts/plot_scaling.py "$tmp/grown" "$tmp/plot.svg" 2>"$tmp/err"; then
+        grep -q '<svg' "$tmp/plot.svg"
+    else
+        [ "$(wc -l <"$tmp/err")" = 1 ] && says 'needs matplotlib: apt-get install'
+    fi
+}
+
 check 'markdown' makes markdown tables.md
 check 'what has no time is said' says 'left out: frame/.*broken.*: invalid: differs'
 check 'and why' says 'left out: frame/.*packet-neon: unavailable: needs neon'
@@ -57,6 +66,26 @@ else
     check 'shapes # SKIP needs JSON::PP' true
 fi
 
+# Scenes of ten to ten thousand primitives, whose rays take 5 ns more each time.
+mkdir "$tmp/grown"
+sed 1q "$data/frame.csv" >"$tmp/grown/frame.csv"
+sed 1q "$data/kernels.csv" >"$tmp/grown/kernels.csv"
+for size in 1 2 3 4; do
+    awk -F, -v OFS=, -v n=$size 'NR == 2 { $1 = "balls" n; $27 = 10 ^ n; print }' \
+        "$data/frame.csv" >>"$tmp/grown/frame.csv"
+    awk -F, -v OFS=, -v n=$size 'NR == 2 { $1 = "balls" n; $13 = 10 + 5 * n; print }' \
+        "$data/kernels.csv" >>"$tmp/grown/kernels.csv"
+done
+check 'scaling' exits 0 export "$tmp/grown" --format scaling
+check 'finds the slope of what lies on a line' grep -qE \
+    '^balls +bvh +1 trace +0 +10 to +10000 +15 to +30 +5 +1\.00 ' "$tmp/out"
+check 'needs scenes of one generator' exits 0 export "$data" --format scaling
+check 'or there is but the heading' [ "$(wc -l <"$tmp/out")" = 1 ]
+if [ -x /usr/bin/python3 ]; then
+    check 'the plot is made, or says that it needs matplotlib' plots
+else
+    check 'the plot # SKIP needs python3' true
+fi
 # Google Benchmark's own tool, on two exports of which the second is twice as slow.
 compare=/usr/share/benchmark/compare.py
 compares() {

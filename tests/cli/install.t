@@ -19,11 +19,13 @@ for place in bash:bash-completion/completions/raybench zsh:zsh/site-functions/_r
     "$raybench" completions "${place%%:*}" >"$tmp/script"
     check "the completion of ${place%%:*}" cmp "$tmp/script" "$share/${place#*:}"
 done
-for plan in bench/plans/*.plan; do
-    [ ! -e "$plan" ] || check "the plan ${plan##*/}" cmp "$plan" "$share/raybench/plans/${plan##*/}"
+for data in bench/plans/*.plan bench/events/*.events bench/energy/*.energy; do
+    [ ! -e "$data" ] || check "the data ${data##*/}" cmp "$data" "$share/raybench/${data#bench/}"
 done
-check 'and nothing else' \
-    [ "$(find "$root" -type f | wc -l)" = $((5 + $(find bench/plans -name '*.plan' | wc -l))) ]
+check 'and nothing else' [ "$(find "$root" -type f | wc -l)" = $((5 + $(find bench \
+    -name '*.plan' -o -name '*.events' -o -name '*.energy' | wc -l))) ]
 cd "$tmp" || exit 1
 check 'the installed program finds its plans' exits 0 bench smoke --dry-run
+check 'and its events and models' exits 0 bench smoke --dry-run --measure time,hardware \
+    --events amd-zen4 --energy-model jouppi21-7nm
 finish

@@ -19,22 +19,31 @@ END
     exit 0
 fi
 
-check 'a scene is compared' exits 0 versus balls3 --size 48x48 --processes 2 --budget 2s \
+export OMP_NUM_THREADS=2
+check 'a scene is compared' exits 0 versus balls3 --size 96x96 --processes 2 --budget 2s \
     --out "$tmp/results"
-check 'in five lines' [ "$(column rays | sort | tr '\n' ' ')" = \
+lines=$(column rays | wc -l) # five without OpenMP
+check 'all classes of rays' [ "$(column rays | sort -u | tr '\n' ' ')" = \
     'diffuse primary reflection refraction shadow ' ]
 check 'of one scene' all_match scene '^balls3$'
-check 'and one thread' all_match threads '^1$'
+check 'by one thread and two' [ "$(column threads | sort | uniq -c | tr -s ' \n' ' ')" = \
+    "$([ "$lines" = 10 ] && echo ' 5 1 5 2 ' || echo ' 5 1 ')" ]
 check 'by rows of ours' all_match row '^(bvh|stream|packet|frustum)'
 check 'and modes' all_match embree_mode '^(single|packet|stream)'
 for name in mrays_ours mrays_embree ratio build_ns_embree bytes_per_primitive_ours \
-    bytes_per_primitive_embree rays_compared; do
+    bytes_per_primitive_embree rays_compared huge_pct_ours huge_pct_embree; do
     check "$name is a number" all_match $name '^[0-9][0-9.e+]*$'
 done
 check 'two processes make no interval' all_match ratio_lo '^$'
 check 'the rays are gone' [ ! -e "$tmp/results/latest/versus.rays" ]
-check 'the table has both parts' [ "$(grep -c '^  balls3 ' "$tmp/out")" = 6 ]
-check 'a class alone' exits 0 versus mount3 --class primary --size 32x32 --processes 1 \
+check 'the table has all parts' [ "$(grep -c '^  balls3 ' "$tmp/out")" = \
+    $((lines * 6 / 5 + 5)) ]
+check 'the least time is told' \
+    [ "$(column least_ns_per_ray | grep -c '^[0-9][0-9.]*$')" = "$lines" ]
+check 'two threads have a speed-up' \
+    [ "$(column speed_up_ours | grep -c '^[0-9]')" = $((lines - 5)) ]
+check 'a class alone, by one thread' exits 0 versus mount3 --class primary --threads 1 \
+    --size 32x32 --processes 1 \
     --budget 1s --out "$tmp/results"
 check 'is one line' [ "$(column rays)" = primary ]
 check 'a class that is none' complains 2 'no rays .sideways' versus balls3 --class sideways

@@ -190,6 +190,12 @@ static void check_wide(const struct rb_scene *scene, const char *name)
     ok(memcmp(audit.count, wide.count, sizeof wide.count) == 0,
        "%s, wide: all %u nodes and all blocks are reachable", name, wide.count[RB_WIDE_NODE]);
     ok(audit.depth < RB_BVH_DEPTH_MAX, "%s, wide: depth %d fits the stack", name, audit.depth);
+    uint32_t children = 0;
+    for (int kind = 0; kind < RB_WIDE_KIND_COUNT; kind++)
+        children += wide.count[kind];
+    double filled = (double)children / wide.count[RB_WIDE_NODE];
+    if (wide.count[RB_WIDE_NODE] > 64)
+        ok(filled > 5.0, "%s, wide: %.1f children a node", name, filled);
     rb_free(audit.seen);
     rb_wide_build(scene, 3, &again, &error);
     ok(same_wide(&wide, &again), "%s, wide: three threads build the same tree", name);

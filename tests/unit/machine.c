@@ -2,13 +2,12 @@
 #define _GNU_SOURCE
 #include "bench/machine/machine.h"
 #include "bench/machine/doctor.h"
+#include "tests/support/tree.h"
 #include "tests/unit/tap.h"
 
-#include <ftw.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define CPU   "/sys/devices/system/cpu/"
@@ -23,38 +22,13 @@ static char root[] = "/tmp/raybench-machine-XXXXXX";
 static struct rb_machine machine;
 static struct rb_doctor doctor;
 
-static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *place)
-{
-    (void)info, (void)type, (void)place;
-    return remove(path);
-}
-
-// A file and the folders above it; a path that ends in a slash is a folder.
-static bool put(const struct entry *entry)
-{
-    char path[512];
-    snprintf(path, sizeof path, "%s%s", root, entry->path);
-    for (char *slash = strchr(path + strlen(root) + 1, '/'); slash;
-         slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        mkdir(path, 0777);
-        *slash = '/';
-    }
-    if (path[strlen(path) - 1] == '/')
-        return true;
-    FILE *file = fopen(path, "w");
-    bool written = file && fputs(entry->text, file) >= 0;
-    return file && fclose(file) == 0 && written;
-}
-
 // Makes the tree, reads and judges it.
 static void examine(const char *name, const struct entry *entries)
 {
     bool written = true;
-    nftw(root, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
-    mkdir(root, 0777);
+    tree_remove(root);
     for (const struct entry *entry = entries; entry->path; entry++)
-        written &= put(entry);
+        written &= tree_put(root, entry->path, entry->text);
     ok(written, "%s: the tree is written", name);
     rb_machine_read(&machine, root);
     rb_doctor_examine(&doctor, &machine);
@@ -355,6 +329,6 @@ int main(void)
     test_arm();
     test_nothing();
     test_this();
-    nftw(root, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    tree_remove(root);
     return done();
 }

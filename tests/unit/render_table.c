@@ -157,6 +157,19 @@ static void check_csv(void)
     ok(writes(rb_render_report_compact, &table,
               "| balls_low | 3 | 2 est. | 0.5 | 0.125 packet-x | 0.25 bvh+omp |\n"),
        "the compact table");
+    ok(!writes(rb_render_report_markdown, &table, "J a frame"), "no energy, no column");
+    table.rows[1].frame_j = 12.5;
+    ok(writes(rb_render_table_write, &table, "system_s,frame_j\r\n") &&
+           writes(rb_render_table_write, &table, "0.5,0.01,12.5\r\n") &&
+           writes(rb_render_report_markdown, &table,
+                  "| bvh | 1 | 3 | 0.5 | 0.55 | 0.4 | 0.7 | 12.5 | 10 | 4 est. |"),
+       "joules a frame, where they were measured");
+    char *energetic = written(rb_render_table_write, &table);
+    rb_render_table_free(&table);
+    ok(load(energetic, &table, &error) == RB_OK && table.rows[1].frame_j == 12.5 &&
+           isnan(table.rows[0].frame_j),
+       "and they are read again");
+    free(energetic);
     rb_render_table_free(&table);
 
     static const struct {
