@@ -158,7 +158,7 @@ static int judge_plan(const struct rb_run *run, bool partial)
         gate.status = update(run, gate.path, &gate.error);
     else
         gate.status = compare(run, &gate.error);
-    return gate.status;
+    return (int)gate.status;
 }
 
 // What the plan measures, as bits of rb_measure; only whether it simulates and counts is of

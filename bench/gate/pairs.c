@@ -73,7 +73,7 @@ static int take(const struct rb_run *run, bool partial)
         status = compare(session.pairs, error);
     }
     session.status = status;
-    return status;
+    return (int)status;
 }
 
 static bool is_passed_on(const char *name)

@@ -18,6 +18,7 @@ enum { SCHEMA_VERSION = 1, KEY_TEXT_MAX = 256 };
 
 static enum rb_status refuse(struct rb_error *error, const char *what)
 {
+    error->column = 1;
     return rb_error_set(error, RB_INVALID, "%s: not a line of a history of this version", what);
 }
 

@@ -9,6 +9,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -17,7 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATH_ROOM = 1024, OWN_WORDS = 16, WORD_ROOM = PATH_ROOM + 64 };
+enum { PATH_ROOM = 1024, OWN_WORDS = 16, WORD_ROOM = PATH_ROOM + 64, PROGRAM_FD = 100 };
 
 // The whole environment, but for variables that decide what is simulated and where valgrind lies.
 static const char *const fixed[] = {"PATH=/usr/local/bin:/usr/bin:/bin", "LC_ALL=C"};
@@ -120,22 +121,42 @@ static void fill_environment(struct command *command)
     command->environment[count] = NULL;
 }
 
+// Opens the program under a name that does not depend on where it lies: its path stands on its
+// stack, and where that begins decides what meets in a line of the cache. Two copies of one program
+// in two folders differed by 2 % in their misses. Returns the descriptor, -1 if it cannot be read.
+static int open_program(const char *path, char name[32])
+{
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    int inherited = file < 0 ? -1 : fcntl(file, F_DUPFD, PROGRAM_FD);
+    if (file >= 0)
+        close(file);
+    snprintf(name, 32, "/proc/self/fd/%d", inherited);
+    return inherited;
+}
+
 // Runs our own words and then those of the program.
 static enum rb_status run_command(struct command *command, char *const *words, const char *log,
                                   struct rb_error *error)
 {
     struct rb_timed_result time;
     size_t count = 0, own_count = (size_t)command->own_count;
+    char name[32];
+    int program = open_program(words[0], name);
+    if (program < 0)
+        return rb_error_set(error, RB_FAILED, "cannot read %.200s: %s", words[0], strerror(errno));
     while (words[count])
         count++;
     char **all = rb_alloc(own_count + count + 1, sizeof *all);
-    if (!all)
-        return rb_error_memory(error, "a command line");
-    for (size_t i = 0; i < own_count; i++)
-        all[i] = command->own[i];
-    memcpy(all + own_count, words, count * sizeof *words);
-    enum rb_status status = rb_timed_run(all, command->environment, log, &time, error);
+    enum rb_status status = all ? RB_OK : rb_error_memory(error, "a command line");
+    if (!status) {
+        for (size_t i = 0; i < own_count; i++)
+            all[i] = command->own[i];
+        memcpy(all + own_count, words, count * sizeof *words);
+        all[own_count] = name;
+        status = rb_timed_run(all, command->environment, log, &time, error);
+    }
     rb_free(all);
+    close(program);
     return status;
 }
 
