@@ -34,7 +34,7 @@ for levels in $(list_levels "$RAYBENCH"); do
 done
 levels=none
 while read -r compiler options; do
-    config=$(echo "exact-$compiler$options" | tr -d ' ')
+    config=$(echo "exact-$compiler$options" | tr -d ' =')
     if ! command -v "$compiler" >/dev/null; then
         count=$((count + 1))
         echo "ok $count - $compiler $options # SKIP no $compiler here"

@@ -10,6 +10,9 @@ put() { # PATH TEXT: a file of the made-up machine
     mkdir -p "$tree/$(dirname "$1")"
     printf '%s\n' "$2" >"$tree/$1"
 }
+on_tree() { # COMMAND OPTION...: on the made-up machine
+    RAYBENCH_SYSFS=$tree "$raybench" "$@" >"$tmp/out" 2>"$tmp/err"
+}
 csv() { # FILE COLUMN: of the line of trace at bounce 0, or of the only frame
     awk -v column="$2" 'BEGIN { FS = "," } { sub("\r$", ""); gsub(/"[^"]*"/, "text") }
         NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
@@ -23,13 +26,12 @@ check 'rays are recorded' exits 0 record balls_low --size 64x64 -o "$rays" --qui
 put proc/cpuinfo 'vendor_id : Nobody'
 put sys/bus/event_source/devices/software/type 1
 check 'a machine without a PMU counts what the kernel does' \
-    env RAYBENCH_SYSFS="$tree" "$raybench" replay "$rays" --variant bvh --kernel trace \
-    --bounce 0 --mode hardware --seconds 0.1 >"$tmp/out" 2>"$tmp/err"
+    on_tree replay "$rays" --variant bvh --kernel trace --bounce 0 --mode hardware --seconds 0.1
 check 'it says so' grep -q 'Linux software events (software' "$tmp/out"
 check 'time on the processor, or why not' \
     grep -qE '^ +trace +0 +([0-9.]+ |- .*\[1\])' "$tmp/out"
-check 'bench has it in its columns' env RAYBENCH_SYSFS="$tree" "$raybench" bench balls_low \
-    --variants bvh --measure time,hardware --energy $small >"$tmp/out" 2>"$tmp/err"
+check 'bench has it in its columns' \
+    on_tree bench balls_low --variants bvh --measure time,hardware --energy $small
 check 'categories are empty' [ -z "$(csv kernels compute_pct)$(csv kernels counter_source)" ]
 check 'and there is a time or a reason' \
     [ -n "$(csv kernels task_clock_ns_per_ray)$(csv kernels hardware_note)" ]
@@ -47,9 +49,8 @@ model : 17'
 put sys/bus/event_source/devices/cpu/type 4
 put sys/bus/event_source/devices/cpu/format/event config:0-7,32-35
 put sys/bus/event_source/devices/cpu/format/umask config:8-15
-check 'events are chosen by processor' env RAYBENCH_SYSFS="$tree" "$raybench" replay "$rays" \
-    --variant bvh --kernel trace --bounce 0 --mode hardware --seconds 0.1 \
-    >"$tmp/out" 2>"$tmp/err"
+check 'events are chosen by processor' \
+    on_tree replay "$rays" --variant bvh --kernel trace --bounce 0 --mode hardware --seconds 0.1
 check 'unverified ones say so' grep -q 'AMD Zen 4 (amd-zen4, unverified)' "$tmp/out"
 check 'what a category is' grep -q 'memory_stall: the back end took none' "$tmp/out"
 printf 'name A\nnam B\n' >"$tmp/bad.events"
@@ -61,7 +62,7 @@ check 'an unknown measure' complains 2 'simulate or hardware' bench balls_low --
 
 # Energy.
 check 'no RAPL: one line and exit code 1' env RAYBENCH_SYSFS="$tree" sh -c \
-    '"$1" replay "$2" --energy 2>"$3"; [ $? = 1 ] && [ "$(wc -l <"$3")" = 1 ]' \
+    '"$1" replay "$2" --energy >/dev/null 2>"$3"; [ $? = 1 ] && [ "$(wc -l <"$3")" = 1 ]' \
     sh "$raybench" "$rays" "$tmp/err"
 check 'with the reason' grep -q 'no energy can be measured' "$tmp/err"
 put sys/class/powercap/intel-rapl:0/name package-0
@@ -83,8 +84,8 @@ touch "$tmp/moving"
         echo $uj 1<>"$tree/sys/class/powercap/intel-rapl:0/energy_uj"
     done
 ) 2>/dev/null &
-check 'one that moves gives gross energy' env RAYBENCH_SYSFS="$tree" "$raybench" replay "$rays" \
-    --variant bvh --kernel trace --bounce 0 --energy --idle 0.5 >"$tmp/out" 2>"$tmp/err"
+check 'one that moves gives gross energy' \
+    on_tree replay "$rays" --variant bvh --kernel trace --bounce 0 --energy --idle 0.5
 rm "$tmp/moving"
 wait
 check 'in nJ a ray' grep -qE '^ +image +trace +0 +4096 +[-0-9.e+]+ +[0-9.e+]+ +[0-9.e+]+' "$tmp/out"
