@@ -84,6 +84,18 @@ static inline const uint32_t *rb_wide_ids(const struct rb_wide *wide, rb_wide_ch
                                        : wide->others[index].id;
 }
 
+// Asks the caches for a child that will be visited.
+static inline void rb_wide_prefetch(const struct rb_wide *wide, rb_wide_child child)
+{
+    uint32_t index = rb_wide_index_of(child);
+    enum rb_wide_kind kind = rb_wide_kind_of(child);
+    const char *at = kind == RB_WIDE_NODE      ? (const char *)&wide->nodes[index]
+                     : kind == RB_WIDE_SPHERES ? (const char *)&wide->spheres[index]
+                                               : (const char *)&wide->triangles[index];
+    for (int i = 0; i < (kind == RB_WIDE_TRIANGLES ? 5 : 4); i++)
+        __builtin_prefetch(at + 64 * i);
+}
+
 // `threads` >= 1 workers. Fails only without memory. Release with rb_wide_free.
 enum rb_status rb_wide_build(const struct rb_scene *scene, int threads, struct rb_wide *wide,
                              struct rb_error *error);

@@ -70,17 +70,6 @@ static void count_end(const struct bundle *bundle, uint64_t set)
     }
 }
 
-static inline void wide_prefetch(const struct rb_wide *wide, rb_wide_child child)
-{
-    uint32_t index = rb_wide_index_of(child);
-    enum rb_wide_kind kind = rb_wide_kind_of(child);
-    const char *at = kind == RB_WIDE_NODE      ? (const char *)&wide->nodes[index]
-                     : kind == RB_WIDE_SPHERES ? (const char *)&wide->spheres[index]
-                                               : (const char *)&wide->triangles[index];
-    for (int i = 0; i < (kind == RB_WIDE_TRIANGLES ? 5 : 4); i++)
-        __builtin_prefetch(at + 64 * i);
-}
-
 // Puts the children that are needed on the stack, the nearest on top.
 static inline int push(const struct rb_wide *wide, const struct bundle *bundle, struct visit from,
                        struct visit *stack, int depth)
@@ -96,7 +85,7 @@ static inline int push(const struct rb_wide *wide, const struct bundle *bundle, 
     for (; bits; bits &= bits - 1) {
         int c = __builtin_ctz(bits), at;
         struct visit visit = {reach.set[c], reach.enter[c], node->child[c]};
-        wide_prefetch(wide, visit.child);
+        rb_wide_prefetch(wide, visit.child);
         for (at = depth++; at > bottom && stack[at - 1].enter < visit.enter; at--)
             stack[at] = stack[at - 1];
         stack[at] = visit;

@@ -154,17 +154,6 @@ static inline void filter(const struct stream *stream, const struct visit *visit
     }
 }
 
-static inline void prefetch(const struct rb_wide *wide, rb_wide_child child)
-{
-    uint32_t index = rb_wide_index_of(child);
-    enum rb_wide_kind kind = rb_wide_kind_of(child);
-    const char *at = kind == RB_WIDE_NODE      ? (const char *)&wide->nodes[index]
-                     : kind == RB_WIDE_SPHERES ? (const char *)&wide->spheres[index]
-                                               : (const char *)&wide->triangles[index];
-    for (int i = 0; i < (kind == RB_WIDE_TRIANGLES ? 5 : 4); i++)
-        __builtin_prefetch(at + 64 * i);
-}
-
 // Leaves visits of the children on the stack, the one that is nearest on average on top.
 static int visit_node(struct stream *stream, const struct visit *visit, uint32_t top, int depth)
 {
@@ -187,7 +176,7 @@ static int visit_node(struct stream *stream, const struct visit *visit, uint32_t
         int lane = (int)(uint32_t)order[i];
         stream->stack[depth++] = (struct visit){node->child[lane], top, counts[lane]};
         filter(stream, visit, lane, stream->pool + top);
-        prefetch(stream->world->wide, node->child[lane]);
+        rb_wide_prefetch(stream->world->wide, node->child[lane]);
         top += counts[lane];
     }
     return depth;
