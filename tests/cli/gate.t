@@ -195,7 +195,8 @@ sed -i 's/,1\.[0-9]*$/,0.5/' "$tmp/results/floor.csv"
 check 'a noise that cannot be is refused' regress 2 --against "$raybench"
 check 'with its place' grep -q 'floor.csv:2:[0-9]*: .0.5.: expected a ratio' "$tmp/err"
 
-# The base of `make regress BASE=REV`.
+# The base of `make regress BASE=REV`, apart from how the program under test was built.
+base() { env -u CONFIG -u MAKEFLAGS -u MAKEOVERRIDES -u MAKELEVEL scripts/base "$@"; }
 if command -v git >/dev/null; then
     mkdir -p "$tmp/repository/scripts" "$tmp/repository/build/release"
     cp scripts/base "$tmp/repository/scripts"
@@ -208,15 +209,15 @@ if command -v git >/dev/null; then
         printf 'all:\n\tmkdir -p build/release\n\tcp /bin/true build/release/raybench\n' >Makefile
         git -c user.name=a -c user.email=a@b commit -qam sound
     } >"$tmp/err" 2>&1
-    scripts/base HEAD~1 >"$tmp/out" 2>"$tmp/err"
+    base HEAD~1 >"$tmp/out" 2>"$tmp/err"
     check 'a base that does not build is none' [ $? = 2 ]
     check 'which is said' grep -q 'HEAD~1 does not build' "$tmp/err"
-    scripts/base nonsense >"$tmp/out" 2>"$tmp/err"
+    base nonsense >"$tmp/out" 2>"$tmp/err"
     check 'nor is a commit that is none' [ $? = 2 ]
-    scripts/base HEAD >"$tmp/out" 2>"$tmp/err"
+    base HEAD >"$tmp/out" 2>"$tmp/err"
     check 'a base that builds' [ $? = 0 ]
     check 'is a program' [ -x "$(cat "$tmp/out")" ]
-    scripts/base HEAD 2>"$tmp/err" >"$tmp/again"
+    base HEAD 2>"$tmp/err" >"$tmp/again"
     check 'that is built once' [ "$(cat "$tmp/out" "$tmp/err")" = "$(cat "$tmp/again")" ]
 fi
 finish
