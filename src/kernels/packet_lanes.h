@@ -57,21 +57,20 @@ static inline struct vvec vv_turned(struct vvec n, struct vvec d)
     return vv_select(vv_dot(n, d) > 0.0f, (struct vvec){-n.x, -n.y, -n.z}, n);
 }
 
-// Loads first[index[lane] * stride] where the mask is set, first[0] elsewhere: memory that may be
-// read whenever any lane is wanted, and no branches.
-static inline vfloat gather(const float *first, size_t stride, vint index, vint mask)
+// Loads the float index[lane] * stride bytes behind `first` where the mask is set, that at `first`
+// elsewhere: memory that may be read whenever any lane is wanted, and no branches.
+static inline vfloat gather(const void *first, size_t stride, vint index, vint mask)
 {
     uint32_t from[RB_LANES];
     float gathered[RB_LANES];
     vi_store(from, index & mask);
     for (int lane = 0; lane < RB_LANES; lane++)
-        gathered[lane] = first[from[lane] * stride];
+        memcpy(&gathered[lane], (const char *)first + from[lane] * stride, sizeof *gathered);
     return vf_load(gathered);
 }
 
 // Of an array of structs of floats, a member written as after an element: ".radius", "[0]".
-#define GATHER(array, index, mask, member)                                                         \
-    gather(&(array)[0] member, sizeof *(array) / sizeof(float), index, mask)
+#define GATHER(array, index, mask, member) gather(&(array)[0] member, sizeof *(array), index, mask)
 
 #define GATHER_VECTOR(array, index, mask, member)                                                  \
     ((struct vvec){GATHER(array, index, mask, member[0]), GATHER(array, index, mask, member[1]),   \
