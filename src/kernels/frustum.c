@@ -219,10 +219,11 @@ static void any(const struct rb_world *world, struct bundle *bundle)
 }
 
 // Packets that go both ways on more axes than one are no part of a bundle, nor those with lanes
-// that are not rays.
+// that are not rays: not finite, or beyond the `count` of the queue.
 static inline void sort_in(struct bundle *bundle, struct rest *rest, const struct packet *packet,
-                           vint wanted, vfloat limit, uint32_t place)
+                           uint32_t count, vfloat limit, uint32_t place)
 {
+    vint wanted = vi_first(count - place) & vv_finite(packet->o) & vv_finite(packet->d);
     unsigned signs[3];
     int mixed = 0;
     signs_of(packet->d, signs);
@@ -238,16 +239,14 @@ static void load_rays(const struct rb_rays *rays, uint32_t first, struct bundle 
                       struct rest *rest)
 {
     uint32_t end = rays->count - first < BUNDLE ? rays->count : first + BUNDLE;
-    bundle->count = 0, bundle->failed = 0;
-    memset(bundle->signs, 0, sizeof bundle->signs);
+    bundle_clear(bundle);
     for (uint32_t i = first; i < end; i += RB_LANES) {
         struct packet packet = {
             .o = {vf_load(rays->ox + i), vf_load(rays->oy + i), vf_load(rays->oz + i)},
             .d = {vf_load(rays->dx + i), vf_load(rays->dy + i), vf_load(rays->dz + i)},
             .self = vi_load(rays->self + i),
         };
-        vint wanted = vi_first(rays->count - i) & vv_finite(packet.o) & vv_finite(packet.d);
-        sort_in(bundle, rest, &packet, wanted, vf_set(INFINITY), i);
+        sort_in(bundle, rest, &packet, rays->count, vf_set(INFINITY), i);
     }
 }
 
@@ -269,9 +268,9 @@ static void planes_closest(const struct rb_world *world, struct bundle *bundle, 
 // Packets that were given up join the rest. Returns whether p is one.
 static inline bool give_up(const struct bundle *bundle, int p, bool shadow, struct rest *rest)
 {
-    struct packet packet = bundle_packet(bundle, p, shadow);
     if (!(bundle->failed >> p & 1))
         return false;
+    struct packet packet = bundle_packet(bundle, p, shadow);
     rest_add(rest, &packet, vi_first(RB_LANES), bundle->limit[p], bundle->place[p]);
     return true;
 }
@@ -325,8 +324,7 @@ static void load_shadows(const struct rb_shadows *shadows, uint32_t first, struc
                          struct rest *rest)
 {
     uint32_t end = shadows->count - first < BUNDLE ? shadows->count : first + BUNDLE;
-    bundle->count = 0, bundle->failed = 0;
-    memset(bundle->signs, 0, sizeof bundle->signs);
+    bundle_clear(bundle);
     for (uint32_t i = first; i < end; i += RB_LANES) {
         struct packet packet = {
             .o = {vf_load(shadows->ox + i), vf_load(shadows->oy + i), vf_load(shadows->oz + i)},
@@ -334,8 +332,7 @@ static void load_shadows(const struct rb_shadows *shadows, uint32_t first, struc
             .self = vi_load(shadows->self + i),
             .shadow = true,
         };
-        vint wanted = vi_first(shadows->count - i) & vv_finite(packet.o) & vv_finite(packet.d);
-        sort_in(bundle, rest, &packet, wanted, vf_load(shadows->distance + i), i);
+        sort_in(bundle, rest, &packet, shadows->count, vf_load(shadows->distance + i), i);
     }
 }
 
