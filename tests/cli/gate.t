@@ -181,7 +181,7 @@ regress() {
         --learn 1 $quiet "$@"
 }
 check 'too few processes are inconclusive' regress 3 --against "$raybench" --json "$tmp/r.json"
-check 'the noise of the host is kept' grep -q ',bvh,1,trace,,1\.' "$tmp/results/floor.csv"
+check 'the noise of the host is kept' grep -qE ',bvh,1,trace,,[1-9][0-9.]*$' "$tmp/results/floor.csv"
 check 'each row has its command' \
     grep -q '^  raybench record balls_low --size 24x24 .* --kernel trace --mode time$' "$tmp/out"
 check 'a base is needed' complains 2 'make regress BASE=REV' regress balls_low
@@ -191,7 +191,7 @@ printf '#!/bin/sh\nshift\nexec "%s" worker --spd "$@"\n' "$(readlink -f "$rayben
     >"$tmp/other"
 chmod +x "$tmp/other"
 check 'that renders the same image' regress 2 --against "$tmp/other"
-sed -i 's/,1\.[0-9]*$/,0.5/' "$tmp/results/floor.csv"
+sed -i 's/,[1-9][0-9.]*$/,0.5/' "$tmp/results/floor.csv"
 check 'a noise that cannot be is refused' regress 2 --against "$raybench"
 check 'with its place' grep -q 'floor.csv:2:[0-9]*: .0.5.: expected a ratio' "$tmp/err"
 
