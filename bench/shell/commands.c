@@ -9,6 +9,7 @@
 #include "bench/gate/regress.h"
 #include "bench/history/history.h"
 #include "bench/machine/doctor.h"
+#include "bench/machine/peaks.h"
 #include "bench/replay/record.h"
 #include "bench/replay/replay.h"
 #include "bench/replay/replay_worker.h"
@@ -44,6 +45,7 @@ const struct rb_command *const rb_commands[] = {
     &rb_command_replay,
     &rb_command_versus,
     &rb_command_doctor,
+    &rb_command_peaks,
     &rb_command_completions,
     &rb_command_man,
     &rb_command_worker,

@@ -21,8 +21,6 @@
 // tests many rays at once against a node can get below that, and nothing else can.
 #include "bench/versus/bound.h"
 
-#include "measure/clock.h"
-
 #include <math.h>
 
 static const double NODE = 6.5, SPHERES = 6.0, TRIANGLES = 14.25, PLANE = 3.5 / 8;
@@ -47,21 +45,4 @@ double rb_versus_least_cycles(const struct rb_versus_tests *tests)
 {
     return tests->nodes * NODE + tests->spheres * SPHERES + tests->triangles * TRIANGLES +
            tests->planes * PLANE;
-}
-
-double rb_versus_cycles_per_ns(void)
-{
-    enum { RUNS = 200, ROUNDS = 2000, CHAIN = 8 };
-    uint64_t least_ns = UINT64_MAX, sum = 0;
-    for (int run = 0; run < RUNS; run++) {
-        uint64_t start_ns = rb_clock_ns();
-        for (int i = 0; i < ROUNDS; i++)
-            for (int k = 0; k < CHAIN; k++) {
-                sum++;
-                __asm__ volatile("" : "+r"(sum)); // one after the other, in a register
-            }
-        uint64_t ns = rb_clock_ns() - start_ns;
-        least_ns = ns < least_ns ? ns : least_ns;
-    }
-    return (double)ROUNDS * CHAIN / (double)least_ns;
 }

@@ -19,8 +19,4 @@ struct rb_versus_tests rb_versus_tests_of(const struct rb_counts *counts, uint64
 // Cycles that these take at least.
 double rb_versus_least_cycles(const struct rb_versus_tests *tests);
 
-// Cycles in a nanosecond, now: from a chain of additions, each of which takes one. Takes some
-// milliseconds.
-double rb_versus_cycles_per_ns(void);
-
 #endif

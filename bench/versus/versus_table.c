@@ -1,6 +1,7 @@
 #include "bench/versus/versus.h"
 
 #include "bench/data/csv_write.h"
+#include "bench/machine/peaks.h"
 #include "embree/embree.h"
 
 #include <inttypes.h>
@@ -149,7 +150,7 @@ void rb_versus_print(const struct rb_contest *contests, size_t count)
 {
     struct line *lines = rb_alloc(count, sizeof *lines);
     size_t made = 0;
-    double cycles_per_ns = rb_versus_cycles_per_ns();
+    double cycles_per_ns = rb_peak_cycles_per_ns();
     for (size_t i = 0; lines && i < count; i++)
         if (has_times(&contests[i]))
             lines[made++] = make_line(&contests[i], cycles_per_ns);
@@ -197,7 +198,7 @@ void rb_versus_write(FILE *out, const struct rb_contest *contests, size_t count)
           "huge_pct_embree,nodes_per_ray,sphere_blocks_per_ray,triangle_blocks_per_ray,"
           "planes_per_ray,least_ns_per_ray\n",
           out);
-    double cycles_per_ns = rb_versus_cycles_per_ns();
+    double cycles_per_ns = rb_peak_cycles_per_ns();
     for (size_t i = 0; i < count; i++) {
         const struct rb_contest *contest = &contests[i];
         const struct rb_versus_trees *trees = contest->trees;
