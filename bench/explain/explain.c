@@ -20,10 +20,10 @@ const struct rb_command rb_command_explain = {
     "\n\n"
     "  raybench explain balls_high\n"
     "  raybench explain mount_high --variants bvh,packet-avx2 --ll 8M,16\n\n"
-    "Measures, counts and simulates serial rows, naive, bvh and packet unless told, and prints\n"
+    "Measures, counts and simulates serial rows, naive, bvh and auto unless told, and prints\n"
     "for each kernel at each bounce what a ray takes and does; what the columns mean; and for\n"
     "each row a paragraph on where most of its time goes and why. The simulator has no AVX-512:\n"
-    "packet means the widest packets without it. Results are kept in a new folder of DIR.",
+    "auto and packet mean the widest rows without it. Results are kept in a new folder of DIR.",
     .positional_min = 1,
     .positional_max = 16,
     .groups = (const struct rb_option *const[]){rb_options_cells, rb_options_timing,
@@ -62,9 +62,9 @@ static int run(const struct rb_arguments *arguments)
 {
     static struct rb_event_file events; // too large for the stack
     static const char plain[] = "measure = time,count,simulate\nvariants = "
-                                "naive,bvh,packet\nenergy-model = horowitz14-45nm\n";
+                                "naive,bvh,auto\nenergy-model = horowitz14-45nm\n";
     static const char hardware[] = "measure = time,count,simulate,hardware\nvariants = "
-                                   "naive,bvh,packet\nenergy-model = horowitz14-45nm\n";
+                                   "naive,bvh,auto\nenergy-model = horowitz14-45nm\n";
     struct rb_error ignored = {0};
     bool pmu = rb_event_file_choose(rb_hardware_root(), NULL, &events, &ignored) == RB_OK &&
                strcmp(rb_event_file_source(&events), "pmu") == 0;

@@ -25,8 +25,8 @@ const struct rb_command rb_command_simulate = {
     "same counts. The simulator is 20 to 100 times slower than the machine; what it gets are\n"
     "runs of neighbouring tiles, spread over the frame, once to warm its caches and once to\n"
     "count. Their hits must be those of a native run. Naive gets at least one tile of 16 x 16\n"
-    "pixels, which takes five minutes on mount_very_high. valgrind has no AVX-512: packet means\n"
-    "the widest packets without it. Results are kept in a new folder of DIR: the figures are\n"
+    "pixels, which takes five minutes on mount_very_high. valgrind has no AVX-512: auto and\n"
+    "packet mean the widest rows without it. Results are kept in a new folder of DIR: the figures are\n"
     "columns of its kernels.csv.",
     .positional_min = 1,
     .positional_max = 16,
@@ -58,7 +58,7 @@ static int print(const struct rb_run *run, bool partial)
 static int run(const struct rb_arguments *arguments)
 {
     static const struct rb_session_kind kind = {
-        .defaults = "measure = simulate\nvariants = naive,bvh,packet\n",
+        .defaults = "measure = simulate\nvariants = naive,bvh,auto\n",
         .print = print,
     };
     rb_simulate_mask();

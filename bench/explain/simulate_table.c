@@ -21,9 +21,9 @@ void rb_simulate_print_caches(const struct rb_caches *caches)
                levels[i].cache->rounded ? " (made a power of two of sets)" : "");
     }
     printf("; lines of %" PRIu32 " bytes\n", caches->ll.line_bytes);
-    const struct rb_variant *packet = rb_variant_resolve(rb_variant_find("packet"));
-    if (packet)
-        printf("valgrind has no AVX-512: packet means %s\n", packet->name);
+    const struct rb_variant *widest = rb_variant_resolve(rb_variant_find("auto"));
+    if (widest)
+        printf("valgrind has no AVX-512: auto means %s\n", widest->name);
 }
 
 // The figures of a line: per ray, and as a share of all that was simulated.

@@ -23,7 +23,7 @@ const char *rb_simulate_refusal(const struct rb_variant *variant)
     if (variant->accelerator == RB_ACCEL_EMBREE)
         return "Embree is a yardstick of time alone";
     if (strstr(variant->needs, "avx512f"))
-        return "valgrind has no AVX-512: take packet-avx2";
+        return "valgrind has no AVX-512: take its avx2 row";
     return rb_variant_available(variant) ? NULL : "this machine or build lacks what it needs";
 }
 

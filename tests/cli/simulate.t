@@ -88,7 +88,7 @@ check 'nor this' complains 2 '--l1 32K,8,48: expected SIZE,WAYS' \
     simulate balls_low $small --l1 32K,8,48
 
 # Rows that cannot be simulated.
-check 'AVX-512' complains 2 'packet-avx512 is not simulated: .*take packet-avx2' \
+check 'AVX-512' complains 2 'packet-avx512 is not simulated: .*take its avx2 row' \
     simulate balls_low $small --variant packet-avx512
 check 'threads' complains 2 'bvh.omp is not simulated.*without .omp' \
     simulate balls_low $small --variant bvh+omp
