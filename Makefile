@@ -88,7 +88,7 @@ ENERGIES := $(sort $(wildcard bench/energy/*.energy))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench explain table simulate versus perf perf-stat asm selftest overhead gate baseline \
+.PHONY: all bench explain table simulate versus report report-data perf perf-stat asm selftest overhead gate baseline \
   regress selftest-gate test unit exact check fuzz setup install clean help force
 
 ## all: build the program (build/raybench)
@@ -114,6 +114,17 @@ simulate: all
 ## versus: our best rows against Embree's best modes, an hour (VERSUS="balls_high --budget 1m")
 versus: all
 	$(B)/raybench versus $(VERSUS)
+
+## report: report/report.html and report.md of results (RESULTS="results/latest results/other")
+RESULTS  ?= results/latest
+REPORT   ?= report
+report: all
+	@command -v /usr/bin/python3 >/dev/null || { echo 'make report needs python3: make setup' >&2; exit 1; }
+	@/usr/bin/python3 scripts/report -o $(REPORT) --raybench $(B)/raybench $(RESULTS)
+
+## report-data: measure all that a report shows, into results/report; 40 minutes
+report-data: all
+	@RAYBENCH=$(B)/raybench scripts/report-data
 
 ## perf: hottest functions and lines of a kernel, flame graph (SCENE= VARIANT=bvh KERNEL=trace)
 perf: all

@@ -13,7 +13,7 @@ from pictures import run
 STAGES = [
     ("generate", "camera rays", (0, 1)),
     ("trace", "closest hits", (1, 1)),
-    ("shade", "surface, light, new rays", (2, 1)),
+    ("shade", "light, new rays", (2, 1)),
     ("trace_shadow", "is a light hidden?", (3, 1)),
     ("resolve", "light to pixels", (4, 1)),
 ]

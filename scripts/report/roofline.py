@@ -4,8 +4,6 @@ The roofline of Williams, Waterman and Patterson (2009), with instructions for o
 Williams 2019): instructions per ns over instructions per byte that has to come from beyond L1.
 Instructions and misses are simulated, times measured, and the roofs are `raybench peaks`.
 """
-import numpy
-
 import draw
 from data import KERNELS, number, ordered
 from page import Figure, Section
@@ -35,13 +33,15 @@ def figure_of(shown, peaks, most):
             if some:
                 axis.loglog([p[4] for p in some], [p[5] for p in some], draw.marker(k), alpha=0.7,
                             color=draw.colour(v), markersize=5, label="%s, %s" % (variant, kernel))
-    x = numpy.geomspace(min(p[4] for p in shown) / 2, max(p[4] for p in shown) * 2, 64)
+    low = min(p[5] for p in shown) / 2
+    last = max(max(p[4] for p in shown), most / min(peaks.values())) * 2
     for i, (level, per_ns) in enumerate(peaks.items()):
-        axis.plot(x, numpy.minimum(x * per_ns, most), color=draw.INK, linewidth=0.8)
-        at = x[0] * 1.1
-        axis.text(at, min(at * per_ns, most), "%s, %s bytes a ns" % (level, number(per_ns)),
-                  fontsize=7, va="bottom")
-    axis.text(x[-1], most, "%s instructions a ns" % number(most), fontsize=7, ha="right", va="bottom")
+        axis.plot([low / per_ns, most / per_ns], [low, most], color=draw.INK, linewidth=0.8)
+        at = low * 1.5 ** (1 + 2 * i)
+        axis.annotate("%s: %s bytes a ns" % (level, number(per_ns)), (at / per_ns, at), (4, 0),
+                      textcoords="offset points", fontsize=7, va="center")
+    axis.plot([most / max(peaks.values()), last], [most, most], color=draw.INK, linewidth=0.8)
+    axis.text(last, most, "%s instructions a ns" % number(most), fontsize=7, ha="right", va="bottom")
     axis.set(xlabel="instructions per byte from beyond L1 (simulated, logarithmic)",
              ylabel="instructions per ns (logarithmic)")
     draw.legend(figure, *axis.get_legend_handles_labels())

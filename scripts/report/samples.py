@@ -2,7 +2,7 @@
 import numpy
 
 import draw
-from data import number
+from data import number, ordered
 from page import Figure, Section
 
 
@@ -10,7 +10,8 @@ def strips(result, scene):
     """Every repetition of every row, and how they are distributed."""
     samples = result.samples[(result.samples["scene"] == scene) & (result.samples["kernel"] == "frame")]
     ms = samples["wall_ns"].where(samples["wall_ns"].notna(), samples["ns"]) / 1e6
-    rows = [r for r in dict.fromkeys(samples["row"]) if r != "naive"]
+    order = ordered(result.frames.loc[result.frames["scene"] == scene, "row"])
+    rows = [r for r in order if r != "naive" and (samples["row"] == r).any()]
     figure, (axes,) = draw.panels(1, 2, 4.2, 1 + 0.3 * len(rows))
     spread, chance = [], numpy.random.default_rng(0)
     for i, row in enumerate(rows):
@@ -19,8 +20,8 @@ def strips(result, scene):
             continue
         axes[0].plot(values, i + chance.uniform(-0.3, 0.3, len(values)), "o", markersize=2.5,
                      color=draw.colour(i), alpha=0.6)
-        axes[1].step(values / values[0], numpy.arange(1, len(values) + 1) / len(values),
-                     where="post", color=draw.colour(i), label=row)
+        share = numpy.arange(len(values) + 1) / len(values)
+        axes[1].step(numpy.append(1, values / values[0]), share, where="post", color=draw.colour(i), label=row)
         spread.append("%s %d from %s to %s ms" % (row, len(values), number(values[0]),
                                                   number(values[-1])))
     axes[0].set(yticks=range(len(rows)), yticklabels=rows, xlabel="ms a frame (logarithmic)",

@@ -96,6 +96,38 @@ def size_figure(result):
         said), "Time per ray over primitives; grey lines: there the tree outgrows a cache."), slopes
 
 
+def misses(result):
+    """{(kernel, bounce): [(primitives, last-level misses a ray, memory stall in %)]}, of bvh"""
+    sizes = result.frames[result.frames["variant"] == "bvh"].set_index("scene")["primitives"].dropna()
+    k = result.kernels[result.kernels["kernel"].isin(("trace", "trace_shadow"))]
+    k = k[k["llc_misses_per_ray"].notna() & k["bounce"].isin((0, 1)) & (k["variant"] == "bvh")]
+    lines = {}
+    for place in k[k["scene"].isin(sizes.index)].itertuples():
+        lines.setdefault((place.kernel, int(place.bounce)), []).append(
+            (sizes[place.scene], place.llc_misses_per_ray, place.memory_stall_pct))
+    return {key: sorted(points) for key, points in lines.items() if len(points) > 2}
+
+
+def misses_figure(result):
+    lines, said = misses(result), []
+    figure, axes = draw.panels(1, 2, 4, 2.8)
+    for i, ((kernel, bounce), points) in enumerate(lines.items()):
+        size, missed, stalled = zip(*points)
+        name = "%s, bounce %d" % (kernel, bounce)
+        for axis, values in zip(axes[0], (missed, stalled)):
+            axis.semilogx(size, values, color=draw.colour(i), marker=draw.marker(i), markersize=4,
+                          label=name)
+        said.append("memory stalls of %s go from %s to %s %% between %d and %d primitives" % (
+            name, number(stalled[0], 2), number(stalled[-1], 2), size[0], size[-1]))
+    for axis, label in zip(axes[0], ("last-level misses per ray", "memory stall, % of modelled cycles")):
+        axis.set(xlabel="primitives (logarithmic)", ylabel=label, ylim=(0, None))
+    draw.legend(figure, *axes[0][0].get_legend_handles_labels())
+    caches = ordered(result.kernels.loc[result.kernels["simulated_by"] != "", "simulated_by"])
+    return Figure("misses", draw.finish(figure, "misses"), "; ".join(said),
+                  "As the tree outgrows the caches, simulated (model:callgrind): %s." % "; ".join(
+                      caches[-1:])), said[-1]
+
+
 def section(results):
     blocks, missing, finding = [], [], []
     threads = results.first(lambda r: r.several_threads and len(r.timed()))
@@ -114,6 +146,13 @@ def section(results):
                     "(R squared %s)" % (s[0], number(s[4]), s[3], number(s[5])) for s in camera[-1:]]
     else:
         missing.append("Scene sizes: give the folder of `raybench bench scaling`, too.")
+    missed = results.first(lambda r: r.generated and misses(r))
+    if missed:
+        figure, said = misses_figure(missed)
+        blocks.append(figure)
+        finding.append(said)
+    else:
+        missing.append("Misses by scene size: give the folder of `raybench simulate scaling-sim`, too.")
     text = "; ".join(finding)
     return Section("scaling", "More threads, more primitives",
                    text[:1].upper() + text[1:] + "." if text else "Not measured.", blocks, missing)
