@@ -1,6 +1,6 @@
 # Reads Markdown for scripts/docs-check and tells what is in it, one thing a line: file, line, kind,
 # text, with tabs between. Kinds: code (a line of a block), span, link, anchor, begin, end (markers
-# of a generated block). Blocks and lists are those of CommonMark 0.31 as far as documents need them.
+# of a generated block). Blocks and lists are those of CommonMark 0.31 as far as is needed here.
 
 function put(line, kind, text) {
     gsub(/[ \t\n]+/, " ", text)
