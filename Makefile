@@ -88,8 +88,9 @@ ENERGIES := $(sort $(wildcard bench/energy/*.energy))
 FUZZ_REPLAY := $(B)/tests/fuzz/replay_nff
 
 .DEFAULT_GOAL := all
-.PHONY: all bench explain table simulate versus report report-data perf perf-stat asm selftest overhead gate baseline \
-  regress selftest-gate test unit exact check fuzz setup install clean help force
+.PHONY: all bench explain table simulate versus report report-data perf perf-stat asm selftest \
+  overhead gate baseline regress selftest-gate test unit docs-check exact check fuzz setup install \
+  clean help force
 
 ## all: build the program (build/raybench)
 all: $(B)/raybench $(if $(filter release,$(CONFIG)),build/raybench)
@@ -170,6 +171,10 @@ test: all unit $(FUZZ_REPLAY)
 	@command -v prove >/dev/null || { echo 'make test needs prove: apt-get install perl' >&2; exit 1; }
 	@RAYBENCH=$(B)/raybench BUILD=$(B) prove -j $(shell nproc 2>/dev/null || echo 1) -e '' \
 	  $(UNIT) $(sort $(wildcard tests/cli/*.t))
+
+## docs-check: do the commands, names, paths and links of the documents exist? are blocks fresh?
+docs-check: all
+	@RAYBENCH=$(B)/raybench scripts/docs-check
 
 ## exact: every row, tile size, thread count, instruction set, compiler and -O level, bit for bit
 exact: all unit

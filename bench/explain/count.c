@@ -10,8 +10,8 @@
 static int run(const struct rb_arguments *arguments);
 
 static const struct rb_option options[] = {
-    {"--heatmap", "COUNTER", RB_OPTION_TEXT, offsetof(struct rb_arguments, bench.heatmap), 0, 0,
-     "draw what each pixel costs: nodes, tests, boxes, spheres, ..., or ns; needs -o"},
+    {"--heatmap", "COUNTER|tests|ns", RB_OPTION_TEXT, offsetof(struct rb_arguments, bench.heatmap),
+     0, 0, "draw what each pixel costs: a counter, tests of all primitives, or ns; needs -o"},
     {"-o", "FILE", RB_OPTION_TEXT, offsetof(struct rb_arguments, bench.picture), 0, 0,
      "picture of the heat map: .png, .ppm; .pfm has the numbers"},
     {.name = NULL},

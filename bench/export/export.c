@@ -12,8 +12,8 @@
 static int run(const struct rb_arguments *arguments);
 
 static const struct rb_option options[] = {
-    {"--format", "NAME", RB_OPTION_TEXT, offsetof(struct rb_arguments, bench.format), 0, 0,
-     "google-benchmark, benchfmt, hyperfine, scaling or markdown (default)"},
+    {"--format", "google-benchmark|benchfmt|hyperfine|scaling|markdown", RB_OPTION_TEXT,
+     offsetof(struct rb_arguments, bench.format), 0, 0, "default: markdown"},
     {"-o", "FILE", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
      "file to write; default: standard output"},
     {.name = NULL},
@@ -22,7 +22,7 @@ static const struct rb_option options[] = {
 const struct rb_command rb_command_export = {
     .name = "export",
     .summary = "write a result for other tools, or as tables",
-    .synopsis = "RESULT [--format NAME] [-o FILE]",
+    .synopsis = "RESULT [options]",
     .text =
         "RESULT is a folder that raybench bench made, such as results/latest.\n\n"
         "  google-benchmark  JSON that Google Benchmark's compare.py reads\n"

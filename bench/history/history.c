@@ -20,8 +20,8 @@ static const struct rb_option options[] = {
     {"--scenes", "SCENE,...", RB_OPTION_TEXT, BENCH(scenes), 0, 0,
      "show only these: names or globs, separated by commas"},
     {"--variants", "VARIANT,...", RB_OPTION_TEXT, BENCH(variants), 0, 0, "only these"},
-    {"--kernels", "LIST", RB_OPTION_TEXT, BENCH(kernels), 0, 0,
-     "only these of frame, generate, trace, shade, trace_shadow; default frame"},
+    {"--kernels", "frame|generate|trace|shade|trace_shadow,...", RB_OPTION_TEXT, BENCH(kernels), 0,
+     0, "only these; default frame"},
     {.name = NULL},
 };
 

@@ -17,8 +17,8 @@ static int run(const struct rb_arguments *arguments);
 static const struct rb_option options[] = {
     {"-o", "FILE", RB_OPTION_TEXT, offsetof(struct rb_arguments, output), 0, 0,
      "file to write; 64 bytes a ray, 49 a shadow ray"},
-    {"--classes", "CLASS,...", RB_OPTION_TEXT, BENCH(classes), 0, 0,
-     "rays to record: image, diffuse, reflection, refraction, shadow, all; default image"},
+    {"--classes", "image|diffuse|reflection|refraction|shadow|all,...", RB_OPTION_TEXT,
+     BENCH(classes), 0, 0, "rays to record; default image"},
     {"--variant", "VARIANT", RB_OPTION_TEXT, offsetof(struct rb_arguments, variant), 0, 0,
      "serial row that renders; the rays are the same for every row; default bvh"},
     {"--tile", "N", RB_OPTION_INT, offsetof(struct rb_arguments, settings.tile), RB_BLOCK,

@@ -11,8 +11,8 @@
 static int run(const struct rb_arguments *arguments);
 
 static const struct rb_option options[] = {
-    {"--measure", "LIST", RB_OPTION_TEXT, offsetof(struct rb_arguments, bench.measure), 0, 0,
-     "time, count, simulate, hardware; default time,count"},
+    {"--measure", "time|count|simulate|hardware,...", RB_OPTION_TEXT,
+     offsetof(struct rb_arguments, bench.measure), 0, 0, "default time,count"},
     {.name = NULL},
 };
 

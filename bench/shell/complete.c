@@ -1,5 +1,7 @@
 #include "bench/shell/complete.h"
 
+#include "kernels/count.h"
+
 #include <string.h>
 
 // Words go out with blanks between.
@@ -43,6 +45,14 @@ static void put_variants(struct words *words)
         put_word(words, variant->name, strlen(variant->name));
 }
 
+// Those of `raybench count --heatmap`.
+static void put_counters(struct words *words)
+{
+    for (enum rb_counter c = 0; c < RB_COUNTER_COUNT; c++)
+        if (rb_counter_is_of_rays(c))
+            put_word(words, rb_counter_names[c], strlen(rb_counter_names[c]));
+}
+
 // What values are called whose nature is known.
 static const struct class
 {
@@ -58,6 +68,7 @@ static const struct class
     {"SCENE", RB_TAKES_FILES | RB_TAKES_WORDS, put_scenes},
     {"GENERATOR", RB_TAKES_WORDS, put_generators},
     {"VARIANT", RB_TAKES_WORDS, put_variants},
+    {"COUNTER", RB_TAKES_WORDS, put_counters},
 };
 
 static const struct class *find_class(const char *name, size_t length)

@@ -149,12 +149,16 @@ enum rb_status rb_options_assign(const struct rb_command *command, const char *n
     return rb_value_assign(option, name, value, arguments, error);
 }
 
+enum { HELP_COLUMN = 26 };
+
 static void help_line(const struct rb_option *option)
 {
-    char left[48];
-    snprintf(left, sizeof left, "%s%s%s", option->name, option->value ? " " : "",
-             option->value ? option->value : "");
-    printf("  %-24s %s\n", left, option->help);
+    int width = printf("  %s %s", option->name, option->value ? option->value : "");
+    if (width > HELP_COLUMN) {
+        printf("\n");
+        width = 0;
+    }
+    printf("%*s %s\n", HELP_COLUMN - width, "", option->help);
 }
 
 void rb_options_help(const struct rb_command *command)

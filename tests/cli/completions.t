@@ -76,6 +76,8 @@ if has_shell bash; then
     check 'options' offers '--specular --spd' render --sp
     check 'all options' offers "$(options render | tr '\n' ' ' | sed 's/ $//')" render -
     check 'words' offers 'blinn phong' render --specular ''
+    check 'words between commas' offers 'time,simulate' bench --measure time,s
+    check 'what can be drawn' offers 'triangles tests' count --heatmap t
     check 'the value behind =' offers phong render --specular = p
     check 'nothing typed behind =' offers 'blinn phong' render --specular =
     check 'variants' offers "$("$raybench" list variants | sed -n 's/^\(packet[^ ]*\) .*/\1/p' |

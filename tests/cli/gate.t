@@ -181,7 +181,8 @@ regress() {
         --learn 1 $quiet "$@"
 }
 check 'too few processes are inconclusive' regress 3 --against "$raybench" --json "$tmp/r.json"
-check 'the noise of the host is kept' grep -qE ',bvh,1,trace,,[1-9][0-9.]*$' "$tmp/results/floor.csv"
+check 'the noise of the host is kept' \
+    grep -qE ',bvh,1,trace,,[1-9][0-9.]*$' "$tmp/results/floor.csv"
 check 'each row has its command' \
     grep -q '^  raybench record balls_low --size 24x24 .* --kernel trace --mode time$' "$tmp/out"
 check 'a base is needed' complains 2 'make regress BASE=REV' regress balls_low
