@@ -26,7 +26,8 @@ const struct rb_command rb_command_simulate = {
     "runs of neighbouring tiles, spread over the frame, once to warm its caches and once to\n"
     "count. Their hits must be those of a native run. Naive gets at least one tile of 16 x 16\n"
     "pixels, which takes five minutes on mount_very_high. valgrind has no AVX-512: auto and\n"
-    "packet mean the widest rows without it. Results are kept in a new folder of DIR: the figures are\n"
+    "packet mean the widest rows without it. Results are kept in a new folder of DIR: the figures "
+    "are\n"
     "columns of its kernels.csv.",
     .positional_min = 1,
     .positional_max = 16,

@@ -9,29 +9,42 @@ CATEGORIES = ["compute", "compute_stall", "memory_stall", "other"]
 CELL = ["scene", "width", "height", "depth", "aa", "light_samples", "tile"]
 
 # Columns that sections rely on; results/README.md explains them.
-KERNEL_COLUMNS = CELL + """variant threads kernel bounce rays ns_per_ray ns_per_ray_lo ns_per_ray_hi
+KERNEL_COLUMNS = (
+    CELL
+    + """variant threads kernel bounce rays ns_per_ray ns_per_ray_lo ns_per_ray_hi
     share_pct note flags reflection_rays refraction_rays instructions_per_ray l1d_misses_per_ray
-    llc_misses_per_ray branch_misses_per_ray compute_pct compute_stall_pct memory_stall_pct other_pct
-    counter_source category_source simulated_by nj_per_ray energy_source energy_note hardware_note
+    llc_misses_per_ray branch_misses_per_ray compute_pct compute_stall_pct memory_stall_pct
+    other_pct counter_source category_source simulated_by nj_per_ray energy_source energy_note hardware_note
     nodes_per_ray boxes_per_ray spheres_per_ray triangles_per_ray cones_per_ray planes_per_ray
     lane_use_pct tree_bytes_per_ray primitive_bytes_per_ray schema_version""".split()
-FRAME_COLUMNS = CELL + """variant threads n repetitions frame_ms frame_ms_lo frame_ms_hi mdape_pct
-    mrays_per_s imbalance build_ms tree_bytes primitives rays image_hash hits_hash flags note frame_j
-    edp_js energy_source energy_note schema_version""".split()
+)
+FRAME_COLUMNS = (
+    CELL
+    + """variant threads n repetitions frame_ms frame_ms_lo frame_ms_hi mdape_pct
+    mrays_per_s imbalance build_ms tree_bytes primitives rays image_hash hits_hash flags note
+    frame_j edp_js energy_source energy_note schema_version""".split()
+)
 SAMPLE_COLUMNS = CELL + "variant threads process repetition kernel bounce ns wall_ns".split()
-VERSUS_COLUMNS = """scene rays threads row embree_mode mrays_ours mrays_embree ratio ratio_lo ratio_hi
-    build_ns_ours build_ns_embree bytes_per_primitive_ours bytes_per_primitive_embree
+VERSUS_COLUMNS = """scene rays threads row embree_mode mrays_ours mrays_embree ratio ratio_lo
+    ratio_hi build_ns_ours build_ns_embree bytes_per_primitive_ours bytes_per_primitive_embree
     least_ns_per_ray""".split()
-TEXT = set("""scene variant kernel note flags counter_source category_source simulated_by
+TEXT = set(
+    """scene variant kernel note flags counter_source category_source simulated_by
     energy_source energy_note hardware_note image_hash hits_hash rays_class row embree_mode
-    cpu_model peak""".split())
+    cpu_model peak""".split()
+)
 
 
 def read_table(path, columns):
     """The table with at least these columns; empty where there is no file, or no table in it."""
     try:
         table = pandas.read_csv(path, dtype={name: str for name in TEXT}, on_bad_lines="skip")
-    except (OSError, UnicodeDecodeError, pandas.errors.ParserError, pandas.errors.EmptyDataError):
+    except (
+        OSError,
+        UnicodeDecodeError,
+        pandas.errors.ParserError,
+        pandas.errors.EmptyDataError,
+    ):
         table = pandas.DataFrame()
     for name in columns:
         if name not in table:
@@ -85,7 +98,10 @@ class Result:
     @property
     def generated(self):
         """Are these generated scenes of several sizes?"""
-        return self.frames.loc[self.frames["scene"].str.fullmatch(r"[a-z]+\d+"), "scene"].nunique() > 2
+        return (
+            self.frames.loc[self.frames["scene"].str.fullmatch(r"[a-z]+\d+"), "scene"].nunique()
+            > 2
+        )
 
     @property
     def several_threads(self):
@@ -119,8 +135,9 @@ class Result:
     def grid(self, scene, variant, column):
         """`column` with a line for each kernel and a column for each bounce."""
         places = self.places(scene, variant)
-        return places.pivot_table(index="kernel", columns="bounce", values=column,
-                                  aggfunc="first").reindex(KERNELS)
+        return places.pivot_table(
+            index="kernel", columns="bounce", values=column, aggfunc="first"
+        ).reindex(KERNELS)
 
 
 class Results:
@@ -129,7 +146,9 @@ class Results:
 
     def __init__(self, folders, table1, raybench):
         self.all = [Result(folder) for folder in folders]
-        self.main = next((r for r in self.all if not r.frames.empty and not r.generated), self.all[0])
+        self.main = next(
+            (r for r in self.all if not r.frames.empty and not r.generated), self.all[0]
+        )
         self.table1 = read_table(table1, ["paper_s", "threads", "median_s"])
         self.raybench = raybench
 

@@ -5,10 +5,19 @@ import re
 import matplotlib
 
 matplotlib.use("svg")
-import matplotlib.pyplot as plot  # noqa: E402
+import matplotlib.pyplot as plot
 
 # Okabe and Ito's palette: told apart by the colour-blind, and by their greys.
-PALETTE = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442", "#999999"]
+PALETTE = [
+    "#0072b2",
+    "#e69f00",
+    "#009e73",
+    "#cc79a7",
+    "#56b4e9",
+    "#d55e00",
+    "#f0e442",
+    "#999999",
+]
 MARKERS = "osD^vPX*"
 HATCH = "////"
 
@@ -23,15 +32,33 @@ svg.plot { --ink: #1c1e21; --faint: #c9ccd1; --paper: #ffffff }
 @media print { svg.plot { --ink: #000000; --faint: #bbbbbb; --paper: #ffffff } }
 </style>"""
 
-matplotlib.rcParams.update({
-    "svg.fonttype": "none", "svg.hashsalt": "raybench", "font.size": 9, "font.family": "sans-serif",
-    "axes.titlesize": 9, "axes.edgecolor": INK, "axes.labelcolor": INK, "text.color": INK,
-    "xtick.color": INK, "ytick.color": INK, "axes.titlecolor": INK, "axes.facecolor": "none",
-    "figure.facecolor": "none", "savefig.facecolor": "none", "legend.frameon": False,
-    "axes.grid": False, "grid.color": FAINT, "axes.spines.top": False, "axes.spines.right": False,
-    "hatch.color": PAPER, "hatch.linewidth": 1.2, "axes.prop_cycle": matplotlib.cycler(color=PALETTE),
-    "figure.constrained_layout.use": True,
-})
+matplotlib.rcParams.update(
+    {
+        "svg.fonttype": "none",
+        "svg.hashsalt": "raybench",
+        "font.size": 9,
+        "font.family": "sans-serif",
+        "axes.titlesize": 9,
+        "axes.edgecolor": INK,
+        "axes.labelcolor": INK,
+        "text.color": INK,
+        "xtick.color": INK,
+        "ytick.color": INK,
+        "axes.titlecolor": INK,
+        "axes.facecolor": "none",
+        "figure.facecolor": "none",
+        "savefig.facecolor": "none",
+        "legend.frameon": False,
+        "axes.grid": False,
+        "grid.color": FAINT,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "hatch.color": PAPER,
+        "hatch.linewidth": 1.2,
+        "axes.prop_cycle": matplotlib.cycler(color=PALETTE),
+        "figure.constrained_layout.use": True,
+    }
+)
 
 
 def colour(i):
@@ -58,8 +85,13 @@ def grid(count, columns, width, height):
 
 
 def legend(figure, handles, labels, columns=4):
-    figure.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0),
-                  ncols=min(columns, len(labels)))
+    figure.legend(
+        handles,
+        labels,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0),
+        ncols=min(columns, len(labels)),
+    )
 
 
 def heat(axis, grid, norm, text, xlabels, ylabels):
@@ -77,14 +109,23 @@ def heat(axis, grid, norm, text, xlabels, ylabels):
         for x, value in enumerate(line):
             if value == value:
                 dark = norm(value) < 0.55
-                axis.text(x, y, text(value), ha="center", va="center", fontsize=7.5,
-                          color="#ffffff" if dark else "#000000")
+                axis.text(
+                    x,
+                    y,
+                    text(value),
+                    ha="center",
+                    va="center",
+                    fontsize=7.5,
+                    color="#ffffff" if dark else "#000000",
+                )
 
 
 def finish(figure, name):
     """The figure as SVG. Ids start with `name`, so that many fit into one page."""
     out = io.StringIO()
-    figure.savefig(out, format="svg", bbox_inches="tight", metadata={"Date": None, "Creator": None})
+    figure.savefig(
+        out, format="svg", bbox_inches="tight", metadata={"Date": None, "Creator": None}
+    )
     plot.close(figure)
     svg = out.getvalue()
     for drawn, variable in SCHEME.items():
@@ -93,7 +134,11 @@ def finish(figure, name):
     svg = re.sub(r'(xlink:href="#|url\(#)', r"\g<1>%s-" % name, svg)
     size = re.search(r'<svg[^>]*? width="([\d.]+)pt"', svg)
     svg = re.sub(r'(<svg[^>]*?) height="[\d.]+pt"', r"\1", svg, count=1)
-    svg = re.sub(r'(<svg[^>]*?) width="[\d.]+pt"', r'\1 class="plot" width="%.0f"' %
-                 (float(size[1]) * 96 / 72), svg, count=1)
+    svg = re.sub(
+        r'(<svg[^>]*?) width="[\d.]+pt"',
+        r'\1 class="plot" width="%.0f"' % (float(size[1]) * 96 / 72),
+        svg,
+        count=1,
+    )
     svg = re.sub(r"<metadata>.*?</metadata>\s*", "", svg, flags=re.DOTALL)
     return re.sub(r"(<svg[^>]*>)", lambda match: match[1] + "\n" + STYLE, svg, count=1)

@@ -3,16 +3,27 @@ from data import number
 from page import Code, Section, Table
 
 FACTS = [
-    ("processor", ("host", "cpu_model")), ("processors", ("cpu", "cpus")),
-    ("system", ("host", "os")), ("kernel", ("host", "kernel")),
-    ("hypervisor", ("host", "hypervisor")), ("memory, bytes", ("memory", "total_bytes")),
-    ("huge pages", ("memory", "transparent_hugepage")), ("governor", ("frequency", "governor")),
-    ("clock", ("clock", "source")), ("a probe, ns", ("clock", "probe_ns")),
-    ("load at the start", ("load", "load_1m")), ("counters", ("counters", "pmu")),
-    ("compiler", ("build", "compiler")), ("flags", ("build", "flags")),
-    ("program, hash", ("binary", "hash")), ("commit", ("git", "commit")),
-    ("uncommitted changes", ("git", "dirty")), ("started", ("started",)), ("seed", ("seed",)),
-    ("pinning", ("pinning",)), ("schema of env.json", ("schema_version",)),
+    ("processor", ("host", "cpu_model")),
+    ("processors", ("cpu", "cpus")),
+    ("system", ("host", "os")),
+    ("kernel", ("host", "kernel")),
+    ("hypervisor", ("host", "hypervisor")),
+    ("memory, bytes", ("memory", "total_bytes")),
+    ("huge pages", ("memory", "transparent_hugepage")),
+    ("governor", ("frequency", "governor")),
+    ("clock", ("clock", "source")),
+    ("a probe, ns", ("clock", "probe_ns")),
+    ("load at the start", ("load", "load_1m")),
+    ("counters", ("counters", "pmu")),
+    ("compiler", ("build", "compiler")),
+    ("flags", ("build", "flags")),
+    ("program, hash", ("binary", "hash")),
+    ("commit", ("git", "commit")),
+    ("uncommitted changes", ("git", "dirty")),
+    ("started", ("started",)),
+    ("seed", ("seed",)),
+    ("pinning", ("pinning",)),
+    ("schema of env.json", ("schema_version",)),
 ]
 
 
@@ -30,30 +41,57 @@ def commands(results):
         line = result.fact("command_line")
         if line:
             lines.append("%s   # %s" % (line, result.fact("session", default=result.folder)))
-    return "\n".join(lines + ["make report RESULTS='%s'" % " ".join(r.folder for r in results.all)])
+    return "\n".join(
+        lines + ["make report RESULTS='%s'" % " ".join(r.folder for r in results.all)]
+    )
 
 
 def section(results):
     result = results.main
     blocks, missing = [Code(commands(results))], []
     if result.env:
-        blocks.append(Table(["what", "this run"], [[name, said(result, path)] for name, path in FACTS]))
+        blocks.append(
+            Table(["what", "this run"], [[name, said(result, path)] for name, path in FACTS])
+        )
     else:
         missing.append("The machine: the folder has no env.json.")
-    hashes = [[s.get("name"), s.get("hash"), str(s.get("primitives"))]
-              for s in result.fact("scenes", default=[])]
+    hashes = [
+        [s.get("name"), s.get("hash"), str(s.get("primitives"))]
+        for s in result.fact("scenes", default=[])
+    ]
     if hashes:
         blocks.append(Table(["scene", "hash", "primitives"], hashes))
     checks = result.fact("doctor", "checks", default=[])
     warned = [c for c in checks if c.get("state") in ("warn", "bad")]
     if checks:
-        blocks.append(Table(["check", "state", "found", "why it matters", "what to do"], [
-            [c.get("name"), c.get("state"), c.get("found"), c.get("why"), c.get("fix") or ""]
-            for c in checks], "Findings of `raybench doctor`.", folded=True))
+        blocks.append(
+            Table(
+                ["check", "state", "found", "why it matters", "what to do"],
+                [
+                    [
+                        c.get("name"),
+                        c.get("state"),
+                        c.get("found"),
+                        c.get("why"),
+                        c.get("fix") or "",
+                    ]
+                    for c in checks
+                ],
+                "Findings of `raybench doctor`.",
+                folded=True,
+            )
+        )
     schema = sorted(set(result.kernels["schema_version"].dropna().astype(int)))
-    finding = "Schema %s of kernels.csv; the doctor gives this machine %s of 100, warning of %s." % (
-        ", ".join(map(str, schema)) or "unknown", said(result, ("doctor", "score")),
-        ", ".join(c["name"] for c in warned) or "nothing") if checks else "The machine is not known."
+    finding = (
+        "Schema %s of kernels.csv; the doctor gives this machine %s of 100, warning of %s."
+        % (
+            ", ".join(map(str, schema)) or "unknown",
+            said(result, ("doctor", "score")),
+            ", ".join(c["name"] for c in warned) or "nothing",
+        )
+        if checks
+        else "The machine is not known."
+    )
     if result.env and not result.fact("complete", default=False):
         finding = "This run was stopped before its end. " + finding
     return Section("machine", "Doing it again", finding, blocks, missing)

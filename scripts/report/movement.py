@@ -35,42 +35,70 @@ def figure_of(result, title, columns, name):
     for axis, scene in zip(axes[0], scenes):
         for variant, bounce, values in lines_of(result, scene, columns):
             i = rows.index(variant) if variant in rows else len(rows)
-            axis.plot(bounce, values, color=draw.colour(i), marker=draw.marker(i), markersize=4,
-                      label=variant)
-            said.append("%s %s %s to %s" % (scene, variant, number(values.min()),
-                                            number(values.max())))
+            axis.plot(
+                bounce,
+                values,
+                color=draw.colour(i),
+                marker=draw.marker(i),
+                markersize=4,
+                label=variant,
+            )
+            said.append(
+                "%s %s %s to %s" % (scene, variant, number(values.min()), number(values.max()))
+            )
         axis.set(title=scene, xlabel="bounce", ylim=(0, None))
         axis.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(integer=True))
     axes[0][0].set_ylabel(title.replace(" (simulated)", ""))
-    handles = {label: handle for axis in axes[0] for handle, label in zip(
-        *axis.get_legend_handles_labels())}
+    handles = {
+        label: handle
+        for axis in axes[0]
+        for handle, label in zip(*axis.get_legend_handles_labels())
+    }
     if not said:
         draw.plot.close(figure)
         return None
     draw.legend(figure, handles.values(), handles.keys())
-    return Figure(name, draw.finish(figure, name), "%s, trace: %s" % (title, "; ".join(said)),
-                  "%s, of trace, by bounce." % title)
+    return Figure(
+        name,
+        draw.finish(figure, name),
+        "%s, trace: %s" % (title, "; ".join(said)),
+        "%s, of trace, by bounce." % title,
+    )
 
 
 def section(results):
     result, blocks, missing = results.main, [], []
     for title, columns in SHOWN:
-        figure = figure_of(result, title, columns, "moved-" + columns[0].split("_")[0]) \
-            if result.scenes else None
+        figure = (
+            figure_of(result, title, columns, "moved-" + columns[0].split("_")[0])
+            if result.scenes
+            else None
+        )
         if figure:
             blocks.append(figure)
         else:
-            missing.append("%s: not %s." % (title, "simulated" if "simul" in title else "counted"))
-    k = result.kernels[result.kernels["kernel"].eq("trace") & result.kernels["bounce"].notna() &
-                       ~result.kernels["variant"].str.endswith("+omp")]
+            missing.append(
+                "%s: not %s." % (title, "simulated" if "simul" in title else "counted")
+            )
+    k = result.kernels[
+        result.kernels["kernel"].eq("trace")
+        & result.kernels["bounce"].notna()
+        & ~result.kernels["variant"].str.endswith("+omp")
+    ]
     finding = "Nothing was counted."
     if k["lane_use_pct"].notna().any():
         simd = k[~k["variant"].isin(("naive", "bvh")) & k["lane_use_pct"].notna()]
         first = simd[simd["bounce"] == 0]["lane_use_pct"].mean()
         last = simd[simd["bounce"] == simd["bounce"].max()]["lane_use_pct"].mean()
         per_ray = k.loc[k["nodes_per_ray"].idxmax()]
-        finding = ("A ray visits up to %s nodes (%s, %s, bounce %d)%s." % (
-            number(per_ray["nodes_per_ray"]), per_ray["scene"], per_ray["variant"], per_ray["bounce"],
-            "; SIMD rows use %s %% of their lanes at the camera and %s %% at the last bounce, on average"
-            % (number(first), number(last)) if first == first else ""))
+        finding = "A ray visits up to %s nodes (%s, %s, bounce %d)%s." % (
+            number(per_ray["nodes_per_ray"]),
+            per_ray["scene"],
+            per_ray["variant"],
+            per_ray["bounce"],
+            "; SIMD rows use %s %% of their lanes at the camera, %s %% at the last bounce, on average"
+            % (number(first), number(last))
+            if first == first
+            else "",
+        )
     return Section("movement", "Data movement", finding, blocks, missing)

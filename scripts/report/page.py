@@ -13,6 +13,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 @dataclasses.dataclass
 class Figure:
     """A drawing. `alt` says in words what it shows."""
+
     name: str
     svg: str
     alt: str
@@ -21,12 +22,13 @@ class Figure:
 
     @property
     def inline(self):
-        return self.svg[self.svg.index("<svg"):]
+        return self.svg[self.svg.index("<svg") :]
 
 
 @dataclasses.dataclass
 class Pictures:
     """Groups of pictures that belong side by side: [[(name, bytes of a PNG, alt, caption)]]."""
+
     groups: list
     kind = "pictures"
 
@@ -38,6 +40,7 @@ class Pictures:
 @dataclasses.dataclass
 class Table:
     """Texts or numbers, as they are to be read."""
+
     head: list
     rows: list
     caption: str = ""
@@ -47,7 +50,9 @@ class Table:
     @property
     def numeric(self):
         """Which columns hold numbers, and stand to the right."""
-        return [all(is_number(row[i]) for row in self.rows if row[i]) for i in range(len(self.head))]
+        return [
+            all(is_number(row[i]) for row in self.rows if row[i]) for i in range(len(self.head))
+        ]
 
 
 @dataclasses.dataclass
@@ -60,6 +65,7 @@ class Code:
 class Section:
     """`finding` is one sentence computed from the data; `missing` says what could not be
     measured, and why."""
+
     name: str
     title: str
     finding: str
@@ -78,13 +84,19 @@ def cell(text):
 
 def words(text):
     """Escapes, and turns `code` into code: sections write that much Markdown."""
-    return markupsafe.Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(markupsafe.escape(text))))
+    return markupsafe.Markup(
+        re.sub(r"`([^`]*)`", r"<code>\1</code>", str(markupsafe.escape(text)))
+    )
 
 
 def environment():
-    env = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), trim_blocks=True,
-                             lstrip_blocks=True, undefined=jinja2.StrictUndefined,
-                             autoescape=lambda name: bool(name) and ".html" in name)
+    env = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(HERE),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+        autoescape=lambda name: bool(name) and ".html" in name,
+    )
     env.filters["cell"] = cell
     env.filters["base64"] = lambda data: base64.b64encode(data).decode()
     env.filters["words"] = words

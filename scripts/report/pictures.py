@@ -35,13 +35,30 @@ def pictures_of(raybench, scene, folder):
     if problem:
         return [], problem
     items = [(scene, png(image), "%s, rendered" % scene, scene)]
-    said, problem = run(raybench, "count", scene, "--size", size, "--variant", "bvh", "--heatmap",
-                        "tests", "--out", folder, "-o", heat)
+    said, problem = run(
+        raybench,
+        "count",
+        scene,
+        "--size",
+        size,
+        "--variant",
+        "bvh",
+        "--heatmap",
+        "tests",
+        "--out",
+        folder,
+        "-o",
+        heat,
+    )
     if problem:
         return items, problem
     scale = re.search(r"mean ([\d.e+]+); white is ([\d.e+]+)", said)
-    caption = "tests a pixel: mean %s, white %s and more" % tuple(
-        number(float(x)) for x in scale.groups()) if scale else "tests a pixel"
+    caption = (
+        "tests a pixel: mean %s, white %s and more"
+        % tuple(number(float(x)) for x in scale.groups())
+        if scale
+        else "tests a pixel"
+    )
     items.append((scene + "-tests", png(heat), "%s: %s" % (scene, caption), caption))
     return items, None
 
@@ -60,7 +77,14 @@ def section(results):
     finding = "No picture could be made."
     if means:
         dear, cheap = max(means, key=means.get), min(means, key=means.get)
-        finding = ("A pixel of %s takes %s tests of primitives on average, one of %s %s; bright is dear."
-                   % (dear, number(means[dear]), cheap, number(means[cheap])))
-    return Section("scenes", "The scenes, and what their pixels cost", finding,
-                   [Pictures(groups)] if groups else [], missing)
+        finding = (
+            "A pixel of %s takes %s tests of primitives on average, one of %s %s; bright is dear."
+            % (dear, number(means[dear]), cheap, number(means[cheap]))
+        )
+    return Section(
+        "scenes",
+        "The scenes, and what their pixels cost",
+        finding,
+        [Pictures(groups)] if groups else [],
+        missing,
+    )

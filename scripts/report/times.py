@@ -4,8 +4,11 @@ from page import Section, Table
 
 
 def interval(frame):
-    return "" if frame.frame_ms_lo != frame.frame_ms_lo else "%s to %s" % (
-        number(frame.frame_ms_lo), number(frame.frame_ms_hi))
+    return (
+        ""
+        if frame.frame_ms_lo != frame.frame_ms_lo
+        else "%s to %s" % (number(frame.frame_ms_lo), number(frame.frame_ms_hi))
+    )
 
 
 def image_check(frame, truth):
@@ -24,28 +27,44 @@ def frame_table(result):
     lines = []
     for scene in result.scenes:
         frames = result.frames[result.frames["scene"] == scene]
-        hashes = [h for h, f in zip(frames["image_hash"], frames["flags"]) if h and "inexact" not in f]
+        hashes = [
+            h for h, f in zip(frames["image_hash"], frames["flags"]) if h and "inexact" not in f
+        ]
         truth = max(hashes, key=hashes.count) if hashes else ""
         naive = frames.loc[frames["row"] == "naive", "frame_ms"]
         for frame in frames.itertuples():
             gain = naive.iloc[0] / frame.frame_ms if len(naive) else float("nan")
-            lines.append([scene, frame.row, number(frame.frame_ms, 4), interval(frame),
-                          number(frame.mrays_per_s), number(gain), image_check(frame, truth),
-                          (frame.flags or frame.note).replace(";", ", ")])
+            lines.append(
+                [
+                    scene,
+                    frame.row,
+                    number(frame.frame_ms, 4),
+                    interval(frame),
+                    number(frame.mrays_per_s),
+                    number(gain),
+                    image_check(frame, truth),
+                    (frame.flags or frame.note).replace(";", ", "),
+                ]
+            )
     return lines
 
 
 def paper_table(table1):
     """Seconds of whole processes: scenes by rows, the paper's first."""
     scenes = ordered(table1["scene"])
-    lines = [["the paper (another machine, 2019)"] + [
-        number(table1.loc[table1["scene"] == s, "paper_s"].iloc[0], 4) for s in scenes]]
+    lines = [
+        ["the paper (another machine, 2019)"]
+        + [number(table1.loc[table1["scene"] == s, "paper_s"].iloc[0], 4) for s in scenes]
+    ]
     for variant in ordered(table1["variant"]):
         seconds = table1[table1["variant"] == variant].set_index("scene")["median_s"]
         lines.append([variant] + [number(seconds.get(s)) for s in scenes])
-    return Table(["seconds"] + scenes, lines,
-                 "Table 1 of the paper measured again: whole processes, from start to image file, "
-                 "medians, `make table`.")
+    return Table(
+        ["seconds"] + scenes,
+        lines,
+        "Table 1 of the paper measured again: whole processes, from start to image file, "
+        "medians, `make table`.",
+    )
 
 
 def section(results):
@@ -58,16 +77,37 @@ def section(results):
     else:
         missing.append("The paper's table: no report/table1.csv; `make table` writes it.")
     if lines:
-        blocks.append(Table(["scene", "row", "ms a frame", "95 % interval", "Mrays/s", "x naive",
-                             "image", "flags"], lines, "Frames, medians over processes.",
-                            folded=len(lines) > 20))
+        blocks.append(
+            Table(
+                [
+                    "scene",
+                    "row",
+                    "ms a frame",
+                    "95 % interval",
+                    "Mrays/s",
+                    "x naive",
+                    "image",
+                    "flags",
+                ],
+                lines,
+                "Frames, medians over processes.",
+                folded=len(lines) > 20,
+            )
+        )
     finding = "Nothing was timed."
     if len(timed):
         rows = timed[timed["variant"] != "naive"]["mrays_per_s"]
         finding = "%d of %d cells have a time, from %s to %s Mrays/s without naive, and %s." % (
-            len(timed), len(result.frames), number(rows.min()), number(rows.max()),
-            "%d images DIFFER from the reference" % len(wrong) if wrong else
-            "no image differs from the reference by a bit")
+            len(timed),
+            len(result.frames),
+            number(rows.min()),
+            number(rows.max()),
+            "%d images DIFFER from the reference" % len(wrong)
+            if wrong
+            else "no image differs from the reference by a bit",
+        )
     untimed = result.frames[result.frames["frame_ms"].isna()]
-    missing += ["%s, %s: %s" % (f.scene, f.row, f.note or "no time") for f in untimed.itertuples()]
+    missing += [
+        "%s, %s: %s" % (f.scene, f.row, f.note or "no time") for f in untimed.itertuples()
+    ]
     return Section("times", "Render times", finding, blocks, missing)

@@ -16,8 +16,10 @@ def geometric_mean(values):
 def against_embree(versus):
     """{scene: geometric mean over classes of rays, one thread}"""
     one = versus[versus["threads"] == 1]
-    return {scene: geometric_mean(one.loc[one["scene"] == scene, "ratio"])
-            for scene in ordered(one["scene"])}
+    return {
+        scene: geometric_mean(one.loc[one["scene"] == scene, "ratio"])
+        for scene in ordered(one["scene"])
+    }
 
 
 def line_of(result, scene, versus, paper):
@@ -26,9 +28,17 @@ def line_of(result, scene, versus, paper):
     if best is None:
         return None
     gain = naive["frame_ms"].iloc[0] / best["frame_ms"] if len(naive) else float("nan")
-    return [scene, best["variant"], number(best["frame_ms"]), number(best["mrays_per_s"]),
-            number(gain), number(versus.get(scene)), any_best["row"], number(any_best["frame_ms"]),
-            number(paper.get(scene), 4)]
+    return [
+        scene,
+        best["variant"],
+        number(best["frame_ms"]),
+        number(best["mrays_per_s"]),
+        number(gain),
+        number(versus.get(scene)),
+        any_best["row"],
+        number(any_best["frame_ms"]),
+        number(paper.get(scene), 4),
+    ]
 
 
 def versus_figure(versus):
@@ -41,17 +51,32 @@ def versus_figure(versus):
         rows = one[one["rays"] == rays]
         y = [scenes.index(s) + (i - 2) * 0.15 for s in rows["scene"]]
         spread = [rows["ratio"] - rows["ratio_lo"], rows["ratio_hi"] - rows["ratio"]]
-        axis.errorbar(rows["ratio"], y, xerr=numpy.clip(spread, 0, None), fmt=draw.marker(i),
-                      color=draw.colour(i), label=rays, markersize=5, elinewidth=1)
+        axis.errorbar(
+            rows["ratio"],
+            y,
+            xerr=numpy.clip(spread, 0, None),
+            fmt=draw.marker(i),
+            color=draw.colour(i),
+            label=rays,
+            markersize=5,
+            elinewidth=1,
+        )
     axis.axvline(1, color=draw.INK, linewidth=1, linestyle="--")
-    axis.set(yticks=range(len(scenes)), yticklabels=scenes, xlim=(0, None),
-             xlabel="rays per second, ours over Embree's best mode (1: as fast); 95 % intervals")
+    axis.set(
+        yticks=range(len(scenes)),
+        yticklabels=scenes,
+        xlim=(0, None),
+        xlabel="rays per second, ours over Embree's best mode (1: as fast); 95 % intervals",
+    )
     axis.invert_yaxis()
     draw.legend(figure, *axis.get_legend_handles_labels(), columns=5)
-    return Figure("versus", draw.finish(figure, "versus"),
-                  "Ratios to Embree by scene and class of rays: " + "; ".join(
-                      "%s %s %s" % (r.scene, r.rays, number(r.ratio)) for r in one.itertuples()),
-                  "Our best row against Embree's best mode, the same rays, one thread.")
+    return Figure(
+        "versus",
+        draw.finish(figure, "versus"),
+        "Ratios to Embree by scene and class of rays: "
+        + "; ".join("%s %s %s" % (r.scene, r.rays, number(r.ratio)) for r in one.itertuples()),
+        "Our best row against Embree's best mode, the same rays, one thread.",
+    )
 
 
 def total(table1):
@@ -70,26 +95,49 @@ def section(results):
     lines = [line for line in lines if line]
     blocks, missing = [], []
     if lines:
-        blocks.append(Table(["scene", "fastest, one thread", "ms a frame", "Mrays/s", "x naive",
-                             "x Embree", "fastest of all", "ms a frame", "paper, s"], lines,
-                            "x Embree: geometric mean over classes of rays, `raybench versus`."))
+        blocks.append(
+            Table(
+                [
+                    "scene",
+                    "fastest, one thread",
+                    "ms a frame",
+                    "Mrays/s",
+                    "x naive",
+                    "x Embree",
+                    "fastest of all",
+                    "ms a frame",
+                    "paper, s",
+                ],
+                lines,
+                "x Embree: geometric mean over classes of rays, `raybench versus`.",
+            )
+        )
         gains = [float(line[4]) for line in lines if line[4]]
         finding = "%s is the fastest row of one thread on most scenes%s." % (
             max(ordered(line[1] for line in lines), key=[line[1] for line in lines].count),
-            ", up to %s times as fast as naive" % number(max(gains)) if gains else "")
+            ", up to %s times as fast as naive" % number(max(gains)) if gains else "",
+        )
     else:
         finding = "Nothing was timed."
     if len(results.versus):
         blocks.append(versus_figure(results.versus))
         one = results.versus[results.versus["threads"] == 1]
-        finding += " Against Embree it wins %d of %d cells, by %s times in the geometric mean." % (
-            (one["ratio"] > 1).sum(), len(one), number(geometric_mean(one["ratio"])))
+        finding += (
+            " Against Embree it wins %d of %d cells, by %s times in the geometric mean."
+            % ((one["ratio"] > 1).sum(), len(one), number(geometric_mean(one["ratio"])))
+        )
     else:
-        missing.append("Embree: no `versus.csv` in the folders given; `raybench versus` writes one.")
+        missing.append(
+            "Embree: no `versus.csv` in the folders given; `raybench versus` writes one."
+        )
     sums = total(results.table1)
     if sums:
-        finding += " The six frames took the paper's machine %s s, ours %s s, whole processes." % (
-            number(sums[0], 4), number(sums[1]))
+        finding += (
+            " The six frames took the paper's machine %s s, ours %s s, whole processes."
+            % (number(sums[0], 4), number(sums[1]))
+        )
     else:
-        missing.append("The paper's Table 1 measured again: `make table` writes report/table1.csv.")
+        missing.append(
+            "The paper's Table 1 measured again: `make table` writes report/table1.csv."
+        )
     return Section("verdict", "Verdict", finding, blocks, missing)
