@@ -14,9 +14,9 @@ KERNEL_COLUMNS = (
     + """variant threads kernel bounce rays ns_per_ray ns_per_ray_lo ns_per_ray_hi
     share_pct note flags reflection_rays refraction_rays instructions_per_ray l1d_misses_per_ray
     llc_misses_per_ray branch_misses_per_ray compute_pct compute_stall_pct memory_stall_pct
-    other_pct counter_source category_source simulated_by nj_per_ray energy_source energy_note hardware_note
-    nodes_per_ray boxes_per_ray spheres_per_ray triangles_per_ray cones_per_ray planes_per_ray
-    lane_use_pct tree_bytes_per_ray primitive_bytes_per_ray schema_version""".split()
+    other_pct counter_source category_source simulated_by nj_per_ray energy_source energy_note
+    hardware_note nodes_per_ray boxes_per_ray spheres_per_ray triangles_per_ray cones_per_ray
+    planes_per_ray lane_use_pct tree_bytes_per_ray primitive_bytes_per_ray schema_version""".split()
 )
 FRAME_COLUMNS = (
     CELL
@@ -76,6 +76,10 @@ class Result:
         self.peaks = read_table(path("peaks.csv"), ["cpu_model", "peak", "bytes", "per_ns"])
         for table in (self.kernels, self.frames):
             table["rays"] = pandas.to_numeric(table["rays"], errors="coerce")
+        unavailable = self.frames["note"] == "unavailable"
+        self.unavailable = ordered(self.frames.loc[unavailable, "variant"])
+        self.frames = self.frames[~unavailable].copy()
+        self.kernels = self.kernels[~self.kernels["variant"].isin(self.unavailable)].copy()
         try:
             with open(path("env.json"), encoding="utf-8") as file:
                 self.env = json.load(file)

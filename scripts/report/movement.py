@@ -96,7 +96,7 @@ def section(results):
             per_ray["scene"],
             per_ray["variant"],
             per_ray["bounce"],
-            "; SIMD rows use %s %% of their lanes at the camera, %s %% at the last bounce, on average"
+            "; SIMD rows use %s %% of their lanes at the camera, %s %% at the last bounce (means)"
             % (number(first), number(last))
             if first == first
             else "",

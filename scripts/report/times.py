@@ -108,6 +108,9 @@ def section(results):
         )
     untimed = result.frames[result.frames["frame_ms"].isna()]
     missing += [
-        "%s, %s: %s" % (f.scene, f.row, f.note or "no time") for f in untimed.itertuples()
+        "%s: %s." % (", ".join(ordered(rows["row"])), note or "no time")
+        for note, rows in untimed.groupby("note")
     ]
+    if result.unavailable:
+        missing.append("%s: this machine cannot run them." % ", ".join(result.unavailable))
     return Section("times", "Render times", finding, blocks, missing)
