@@ -7,7 +7,7 @@ threads, versus, peaks. FOLDER (report) gets report.html, which needs nothing el
 the figures of the latter.
 """
 import argparse
-import datetime
+import importlib
 import os
 import sys
 
@@ -39,56 +39,44 @@ def arguments():
     return parser.parse_args()
 
 
-def write_all(folder, sections, title, made):
+def write_all(folder, sections, **values):
+    """The figures of these sections and no others, then the two pages that show them."""
     import page
 
     figures = os.path.join(folder, "figures")
     os.makedirs(figures, exist_ok=True)
-    stale = set(os.listdir(figures))
-    for block in (b for s in sections for b in s.blocks):
-        files = {
-            "figure": lambda: [(block.name + ".svg", block.svg)],
-            "pictures": lambda: [(name + ".png", png) for name, png, _, _ in block.items],
-        }
-        for name, content in files.get(block.kind, lambda: [])():
-            page.write(os.path.join(figures, name), content)
-            stale.discard(name)
-    for name in stale:
+    files = dict(
+        file for section in sections for block in section.blocks for file in block.files
+    )
+    for name, content in files.items():
+        page.write(os.path.join(figures, name), content)
+    for name in set(os.listdir(figures)) - set(files):
         os.remove(os.path.join(figures, name))
-    for template, name in (("report.html.j2", "report.html"), ("report.md.j2", "report.md")):
-        page.write(
-            os.path.join(folder, name),
-            page.render(template, sections=sections, title=title, made=made),
-        )
+    for name in ("report.html", "report.md"):
+        text = page.render(name + ".j2", sections=sections, **values)
+        page.write(os.path.join(folder, name), text)
 
 
 def main():
     given = arguments()
     try:
-        import importlib
-
         modules = [importlib.import_module(name) for name in SECTIONS]
-        from data import Results
-
+        data = importlib.import_module("data")
         importlib.import_module("PIL")
     except ImportError as problem:
         sys.exit("report: %s; install it with: apt-get install %s" % (problem, NEEDED))
-    results = Results(given.results, given.table1, given.raybench)
+    results = data.Results(given.results, given.table1, given.raybench)
     if all(result.frames.empty for result in results.all):
         sys.exit(
             "report: %s: no frame.csv with any line; run make bench, or name a result folder"
             % " ".join(given.results)
         )
-    made = "%s, commit %s, %s" % (
-        results.main.fact("host", "cpu_model", default="unknown machine"),
-        str(results.main.fact("git", "commit", default="unknown"))[:12],
-        str(results.main.fact("started", default=""))[:10] or datetime.date.today().isoformat(),
-    )
+    sections = [module.section(results) for module in modules]
     try:
-        write_all(given.folder, [m.section(results) for m in modules], "raybench", made)
+        write_all(given.folder, sections, made=results.main.made, command=results.command)
     except OSError as problem:
         sys.exit("report: %s" % problem)
-    print("%s: %d sections" % (os.path.join(given.folder, "report.html"), len(modules)))
+    print("%s: %d sections" % (os.path.join(given.folder, "report.html"), len(sections)))
 
 
 main()

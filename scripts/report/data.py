@@ -96,6 +96,15 @@ class Result:
         return default if here is None else here
 
     @property
+    def made(self):
+        """Where, of what and when these results were made."""
+        return "%s, commit %s, %s" % (
+            self.fact("host", "cpu_model", default="unknown machine"),
+            str(self.fact("git", "commit", default="unknown"))[:12],
+            str(self.fact("started", default="unknown day"))[:10],
+        )
+
+    @property
     def scenes(self):
         return ordered(self.frames["scene"])
 
@@ -159,6 +168,11 @@ class Results:
     def first(self, wanted):
         """The first folder that has something; None where none has."""
         return next((result for result in self.all if wanted(result)), None)
+
+    @property
+    def command(self):
+        """Makes the report again."""
+        return "make report RESULTS='%s'" % " ".join(result.folder for result in self.all)
 
     @property
     def versus(self):

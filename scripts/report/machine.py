@@ -41,9 +41,7 @@ def commands(results):
         line = result.fact("command_line")
         if line:
             lines.append("%s   # %s" % (line, result.fact("session", default=result.folder)))
-    return "\n".join(
-        lines + ["make report RESULTS='%s'" % " ".join(r.folder for r in results.all)]
-    )
+    return "\n".join(lines + [results.command])
 
 
 def section(results):

@@ -21,6 +21,10 @@ class Figure:
     kind = "figure"
 
     @property
+    def files(self):
+        return [(self.name + ".svg", self.svg)]
+
+    @property
     def inline(self):
         return self.svg[self.svg.index("<svg") :]
 
@@ -36,6 +40,10 @@ class Pictures:
     def items(self):
         return [item for group in self.groups for item in group]
 
+    @property
+    def files(self):
+        return [(name + ".png", png) for name, png, _, _ in self.items]
+
 
 @dataclasses.dataclass
 class Table:
@@ -46,6 +54,7 @@ class Table:
     caption: str = ""
     folded: bool = False  # a long one, which people open if they want it
     kind = "table"
+    files = ()
 
     @property
     def numeric(self):
@@ -59,6 +68,7 @@ class Table:
 class Code:
     text: str
     kind = "code"
+    files = ()
 
 
 @dataclasses.dataclass
@@ -94,6 +104,7 @@ def environment():
         loader=jinja2.FileSystemLoader(HERE),
         trim_blocks=True,
         lstrip_blocks=True,
+        keep_trailing_newline=True,
         undefined=jinja2.StrictUndefined,
         autoescape=lambda name: bool(name) and ".html" in name,
     )
