@@ -44,6 +44,19 @@ def commands(results):
     return "\n".join(lines + [results.command])
 
 
+def hashes(result):
+    """What was rendered, and what every row had to give: of the image, of distances and ids."""
+    rendered = result.frames[result.frames["image_hash"] != ""].drop_duplicates("scene")
+    rendered = rendered.set_index("scene")[["image_hash", "hits_hash"]]
+    lines = []
+    for scene in result.env["scenes"]:
+        given = rendered.loc[scene["name"]] if scene["name"] in rendered.index else ["", ""]
+        lines.append([scene["name"], scene["hash"], str(scene["primitives"]), *given])
+    return Table(
+        ["scene", "hash of the file", "primitives", "of the image", "of all hits"], lines
+    )
+
+
 def section(results):
     result = results.main
     blocks, missing = [Code(commands(results))], []
@@ -53,12 +66,8 @@ def section(results):
         )
     else:
         missing.append("The machine: the folder has no env.json.")
-    hashes = [
-        [s.get("name"), s.get("hash"), str(s.get("primitives"))]
-        for s in result.fact("scenes", default=[])
-    ]
-    if hashes:
-        blocks.append(Table(["scene", "hash", "primitives"], hashes))
+    if result.env.get("scenes"):
+        blocks.append(hashes(result))
     checks = result.fact("doctor", "checks", default=[])
     warned = [c for c in checks if c.get("state") in ("warn", "bad")]
     if checks:
