@@ -131,9 +131,9 @@ static double read_once(const block *blocks, size_t count)
                 sums[at] |= blocks[k + (size_t)at];
         }
     uint64_t ns = rb_clock_ns() - start_ns;
-    volatile uint32_t used = 0;
-    for (int at = 0; at < UNROLLED; at++)
-        used |= sums[at][0];
+    for (int at = 1; at < UNROLLED; at++)
+        sums[0] |= sums[at];
+    __asm__ volatile("" : : "m"(sums[0])); // or the compiler would drop the reads
     return (double)(again * count * sizeof *blocks) / (double)(ns ? ns : 1);
 }
 

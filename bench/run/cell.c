@@ -97,7 +97,7 @@ static struct rb_figure figure_of(const struct rb_cell *cell, measure_fn *measur
     double *medians = values + count, *scratch = medians + count;
     for (size_t i = 0; i < count; i++)
         values[i] = measure(&cell->samples[i], what);
-    if (!isnan(values[0])) { // all samples have a number, or none has
+    if (count && !isnan(values[0])) { // all samples have a number, or none has
         size_t n = process_medians(cell, values, medians, scratch);
         if (!cell->group_tiles) {
             struct rb_median median = rb_stats_median_at(medians, n, LEVEL);
