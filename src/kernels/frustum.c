@@ -140,6 +140,8 @@ RB_INLINE void leaf_any(const struct rb_world *world, struct bundle *bundle, str
             int p = __builtin_ctzll(set);
             struct hits hit;
             vint found = leaf_hit(world, bundle, kind, &with, p, true, &hit);
+            if (!vi_any(found))
+                continue;
             bundle->active[p] &= ~(found & (hit.t < bundle_limits(bundle, p)));
             if (!vi_any(bundle->active[p]))
                 bundle->open &= ~((uint64_t)1 << p);
