@@ -41,7 +41,7 @@ struct bundle {
     uint32_t rays;        // in the queue; those of a last part of a packet do not take part
     int count;            // of packets
     int credit[PACKETS];  // so many tests may still be in vain
-    uint64_t signs[3][2]; // packets of which some, all rays go backward on an axis
+    uint64_t signs[3][2]; // packets of which some, all rays go backward on an axis; 0 is both ways
     uint64_t open;        // packets in work, one bit each
     uint64_t failed;      // packets that are no beam, or were given up
     struct beams all;     // the same beam in all lanes
