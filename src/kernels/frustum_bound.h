@@ -15,83 +15,103 @@ RB_INLINE vfloat pairs_max(vfloat a, vfloat b)
     return vf_max(VF_EVEN(a, b), VF_ODD(a, b));
 }
 
-// The least and the largest lane of each of RB_LANES vectors; lane i is what vector i has.
-RB_INLINE void lanes_range(const vfloat v[RB_LANES], vfloat *low, vfloat *high)
+// Packet i of `count`; those that are missing are as packet 0.
+RB_INLINE vfloat packet_at(const float *from, int i, int count)
+{
+    return vf_load(from + (i < count ? i : 0) * RB_LANES);
+}
+
+// The least and the largest lane of packets `first` to `first` + RB_LANES - 1; lane i is what
+// packet first + i has.
+static void lanes_range(const float *from, int first, int count, vfloat *low, vfloat *high)
 {
     vfloat lows[RB_LANES / 2], highs[RB_LANES / 2];
 #pragma GCC unroll 8
     for (int i = 0; i < RB_LANES / 2; i++) {
-        vfloat even = VF_EVEN(v[2 * i], v[2 * i + 1]), odd = VF_ODD(v[2 * i], v[2 * i + 1]);
+        vfloat a = packet_at(from, first + 2 * i, count);
+        vfloat b = packet_at(from, first + 2 * i + 1, count);
+        vfloat even = VF_EVEN(a, b), odd = VF_ODD(a, b);
         lows[i] = vf_min(even, odd), highs[i] = vf_max(even, odd);
     }
 #pragma GCC unroll 8
-    for (int count = RB_LANES / 4; count > 0; count /= 2)
+    for (int left = RB_LANES / 4; left > 0; left /= 2)
 #pragma GCC unroll 8
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < left; i++) {
             lows[i] = pairs_min(lows[2 * i], lows[2 * i + 1]);
             highs[i] = pairs_max(highs[2 * i], highs[2 * i + 1]);
         }
     *low = lows[0], *high = highs[0];
 }
 
-// Intervals by packet of what all packets have in `v`; those that are missing are as packet 0.
-static void packets_range(vfloat v[PACKETS], int count, vfloat low[PARTS], vfloat high[PARTS])
+// Are these the same for all rays, bit by bit?
+static bool all_same(const float *from, int count)
 {
-    for (int p = count; p < PACKETS; p++)
-        v[p] = v[0];
-    for (int part = 0; part < PARTS; part++)
-        lanes_range(v + part * RB_LANES, &low[part], &high[part]);
+    vint first = (vint)vf_set(from[0]), differ = first ^ first;
+    for (int p = 0; p < count; p++)
+        differ |= (vint)vf_load(from + p * RB_LANES) ^ first;
+    return !vi_any(differ != 0);
 }
 
-// The interval of all lanes of `v`.
-static void all_range(const vfloat v[PACKETS], int count, float *low, float *high)
+// Packets that have only finite rays, one bit each. Others may be missing where sums overflow.
+static uint64_t bundle_finite(const struct bundle *bundle)
 {
-    vfloat least = v[0], most = v[0];
-    for (int p = 1; p < count; p++)
-        least = vf_min(v[p], least), most = vf_max(v[p], most);
-    *low = vf_min_lane(least)[0], *high = vf_max_lane(most)[0];
+    uint64_t finite = 0;
+    for (int p = 0; p < bundle->count; p++) {
+        struct vvec o = bundle_vector(bundle->o, p), d = bundle_vector(bundle->d, p);
+        vfloat sum = (o.x + o.y + o.z) + (d.x + d.y + d.z);
+        finite |= (uint64_t)(vi_bits(sum * 0.0f == 0.0f) == VI_ALL_BITS) << p;
+    }
+    return finite;
 }
 
-// Beams of directions. The inverse falls where the direction rises, on either side of 0.
+// Beams of origins on one axis.
+static bool bound_origins(struct bundle *bundle, int k)
+{
+    bool same = all_same(bundle->o[k], bundle->count);
+    for (int part = 0; part < PARTS; part++) {
+        vfloat *o = bundle->by_packet[part].o[k];
+        if (same)
+            o[0] = o[1] = vf_set(bundle->o[k][0]);
+        else
+            lanes_range(bundle->o[k], part * RB_LANES, bundle->count, &o[0], &o[1]);
+    }
+    return same;
+}
+
+// Beams of directions, or of those turned round. The inverse falls where the direction rises, on
+// either side of 0. Where the rays of a packet go both ways, or are parallel to the planes, nothing
+// may be culled: beams_slab gets all of the line.
 static void bound_directions(struct bundle *bundle, int k, bool turned)
 {
-    vfloat low[PARTS], high[PARTS];
-    packets_range(bundle->d[k], bundle->count, low, high);
+    bundle->signs[k][0] = bundle->signs[k][1] = 0;
     for (int part = 0; part < PARTS; part++) {
         struct beams *beams = &bundle->by_packet[part];
-        beams->inv[k][0] = safe_inverse(turned ? -low[part] : high[part]);
-        beams->inv[k][1] = safe_inverse(turned ? -high[part] : low[part]);
-    }
-    if (turned) {
-        uint64_t some = bundle->signs[k][0];
-        bundle->signs[k][0] = ~bundle->signs[k][1], bundle->signs[k][1] = ~some;
-    }
-}
-
-// Where the rays of a packet go both ways nothing may be culled: beams_slab gets all of the line.
-static void bound_mixed(struct bundle *bundle, int k)
-{
-    uint64_t mixed = bundle->signs[k][0] ^ bundle->signs[k][1];
-    for (int part = 0; mixed && part < PARTS; part++) {
-        struct beams *beams = &bundle->by_packet[part];
-        vint lanes = part_of(mixed, part);
-        for (int end = 0; end < 2; end++) {
-            vfloat far = vf_set(end ? INFINITY : -INFINITY);
-            beams->o[k][end] = vf_select(lanes, far, beams->o[k][end]);
-            beams->inv[k][end] = vf_select(lanes, vf_set(1.0f), beams->inv[k][end]);
+        vfloat low, high;
+        lanes_range(bundle->d[k], part * RB_LANES, bundle->count, &low, &high);
+        if (turned) {
+            vfloat least = low;
+            low = -high, high = -least;
         }
+        vint some = low <= 0.0f, all = high < 0.0f, mixed = some ^ all;
+        bundle->signs[k][0] |= (uint64_t)vi_bits(some) << part * RB_LANES;
+        bundle->signs[k][1] |= (uint64_t)vi_bits(all) << part * RB_LANES;
+        beams->inv[k][0] = vf_select(mixed, vf_set(1.0f), safe_inverse(high));
+        beams->inv[k][1] = vf_select(mixed, vf_set(1.0f), safe_inverse(low));
+        beams->o[k][0] = vf_select(mixed, vf_set(-INFINITY), beams->o[k][0]);
+        beams->o[k][1] = vf_select(mixed, vf_set(INFINITY), beams->o[k][1]);
     }
 }
 
-static void bound_rest(struct bundle *bundle, bool one_origin)
+// Packets that are not finite, or go both ways on more axes than one, are no beams.
+static void bound_rest(struct bundle *bundle, bool one_origin, uint64_t finite)
 {
+    uint64_t mixed[3];
+    for (int k = 0; k < 3; k++)
+        mixed[k] = bundle->signs[k][0] ^ bundle->signs[k][1];
+    bundle->failed = (mixed[0] & mixed[1]) | (mixed[1] & mixed[2]) | (mixed[2] & mixed[0]);
+    bundle->failed |= ~finite;
     for (int p = 0; p < bundle->count; p++)
         bundle->credit[p] = one_origin ? CREDIT_NEAR : CREDIT_FAR;
-    vfloat limits[PACKETS], low;
-    for (int p = 0; p < PACKETS; p++)
-        limits[p] = p < bundle->count ? bundle->limit[p] : vf_set(0.0f);
-    for (int part = 0; part < PARTS; part++)
-        lanes_range(limits + part * RB_LANES, &low, &bundle->by_packet[part].limit);
 }
 
 // Fills the beams of packets.
@@ -99,39 +119,32 @@ static void bundle_bound(struct bundle *bundle)
 {
     bool one_origin = true;
     for (int k = 0; k < 3; k++) {
-        float low, high;
-        all_range(bundle->o[k], bundle->count, &low, &high);
-        vfloat lows[PARTS], highs[PARTS];
-        if (low < high)
-            packets_range(bundle->o[k], bundle->count, lows, highs);
-        one_origin = one_origin && !(low < high);
-        for (int part = 0; part < PARTS; part++) {
-            vfloat *o = bundle->by_packet[part].o[k];
-            o[0] = low < high ? lows[part] : vf_set(low);
-            o[1] = low < high ? highs[part] : vf_set(high);
-        }
+        one_origin &= bound_origins(bundle, k);
         bound_directions(bundle, k, false);
-        bound_mixed(bundle, k);
     }
-    bound_rest(bundle, one_origin);
+    bound_rest(bundle, one_origin, bundle_finite(bundle));
 }
 
 // The point in which all rays end, if there is one: an interval that holds it, 2^-18 of the largest
 // coordinate wide to each side, 20 times what the roundings of a slab and of the end can add up to.
 static bool bundle_end(const struct bundle *bundle, float low[3], float high[3])
 {
+    vfloat far = vf_set(0.0f), sum = far;
     float reach = 0.0f;
     for (int k = 0; k < 3; k++) {
-        vfloat ends[PACKETS];
-        float o_low, o_high;
-        for (int p = 0; p < bundle->count; p++)
-            ends[p] = bundle->o[k][p] + bundle->limit[p] * bundle->d[k][p];
-        all_range(ends, bundle->count, &low[k], &high[k]);
-        all_range(bundle->o[k], bundle->count, &o_low, &o_high);
+        vfloat least = vf_set(INFINITY), most = -least;
+        for (int p = 0; p < bundle->count; p++) {
+            vfloat o = vf_load(bundle->o[k] + p * RB_LANES);
+            vfloat end = o + bundle_limits(bundle, p) * vf_load(bundle->d[k] + p * RB_LANES);
+            least = vf_min(end, least), most = vf_max(end, most);
+            far = vf_max(vf_abs(o), far), sum += end;
+        }
+        low[k] = vf_min_lane(least)[0], high[k] = vf_max_lane(most)[0];
         reach = rb_max(reach, rb_max(fabsf(low[k]), fabsf(high[k])));
-        reach = rb_max(reach, rb_max(fabsf(o_low), fabsf(o_high)));
     }
-    float slack = reach * 0x1p-18f;
+    if (vi_any(sum * 0.0f != 0.0f))
+        return false; // not finite
+    float slack = rb_max(reach, vf_max_lane(far)[0]) * 0x1p-18f;
     for (int k = 0; k < 3; k++) {
         if (!(high[k] - low[k] <= slack))
             return false;
@@ -155,9 +168,27 @@ static void bundle_bound_shadows(struct bundle *bundle)
             o[0] = vf_set(low[k]), o[1] = vf_set(high[k]);
         }
         bound_directions(bundle, k, true);
-        bound_mixed(bundle, k);
     }
-    bound_rest(bundle, true);
+    bound_rest(bundle, true, ~(uint64_t)0 >> (64 - bundle->count));
+}
+
+// Limits of packets, once they are known.
+static void bundle_bound_limits(struct bundle *bundle)
+{
+    vfloat low;
+    for (int part = 0; part < PARTS; part++)
+        lanes_range(bundle->limit, part * RB_LANES, bundle->count, &low,
+                    &bundle->by_packet[part].limit);
+}
+
+// The least lane of each of four vectors.
+RB_INLINE vfloat four_min(const vfloat v[4])
+{
+    vfloat least = pairs_min(pairs_min(v[0], v[1]), pairs_min(v[2], v[3]));
+#pragma GCC unroll 4
+    for (int lanes = RB_LANES; lanes > 4; lanes /= 2)
+        least = pairs_min(least, least);
+    return least;
 }
 
 // Takes packets that go the same ways out of `left`, puts them to work together and returns them.
@@ -173,18 +204,18 @@ static uint64_t bundle_group(struct bundle *bundle, uint64_t *left)
     *left &= ~same;
     bundle->open = same;
     for (int k = 0; k < 3; k++) {
-        vfloat ends[4] = {vf_set(INFINITY), vf_set(-INFINITY), vf_set(INFINITY), vf_set(-INFINITY)};
+        vfloat far = vf_set(INFINITY), ends[4] = {far, far, far, far};
         for (int part = 0; part < PARTS; part++) {
             const struct beams *beams = &bundle->by_packet[part];
             vint lanes = part_of(same, part);
-            ends[0] = vf_min(vf_select(lanes, beams->o[k][0], ends[0]), ends[0]);
-            ends[1] = vf_max(vf_select(lanes, beams->o[k][1], ends[1]), ends[1]);
-            ends[2] = vf_min(vf_select(lanes, beams->inv[k][0], ends[2]), ends[2]);
-            ends[3] = vf_max(vf_select(lanes, beams->inv[k][1], ends[3]), ends[3]);
+            ends[0] = vf_min(vf_select(lanes, beams->o[k][0], far), ends[0]);
+            ends[1] = vf_min(vf_select(lanes, -beams->o[k][1], far), ends[1]);
+            ends[2] = vf_min(vf_select(lanes, beams->inv[k][0], far), ends[2]);
+            ends[3] = vf_min(vf_select(lanes, -beams->inv[k][1], far), ends[3]);
         }
-        bundle->all.o[k][0] = vf_min_lane(ends[0]), bundle->all.o[k][1] = vf_max_lane(ends[1]);
-        bundle->all.inv[k][0] = vf_min_lane(ends[2]);
-        bundle->all.inv[k][1] = vf_max_lane(ends[3]);
+        vfloat least = four_min(ends);
+        bundle->all.o[k][0] = vf_set(least[0]), bundle->all.o[k][1] = vf_set(-least[1]);
+        bundle->all.inv[k][0] = vf_set(least[2]), bundle->all.inv[k][1] = vf_set(-least[3]);
         bundle->backward[k] = (int)(bundle->signs[k][1] >> first & 1);
     }
     bundle_limit_all(bundle);

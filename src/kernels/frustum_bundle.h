@@ -31,68 +31,53 @@ struct beams {
     vfloat limit;              // farthest distance that matters to any of its rays
 };
 
+// Of whole packets, all of whose rays exist. The rays stay where they are.
 struct bundle {
-    vfloat o[3][PACKETS], d[3][PACKETS];
-    vint self[PACKETS];
-    vint active[PACKETS];    // lanes whose answer is not known yet
-    vfloat limit[PACKETS];   // farthest distance that matters
-    uint32_t place[PACKETS]; // of the first ray, in its queue
-    int credit[PACKETS];     // so many tests may still be in vain
-    int count;               // of packets
-    uint64_t signs[3][2];    // packets of which some, all rays go backward on an axis
-    uint64_t open;           // packets in work, one bit each
-    uint64_t failed;         // packets that were given up
-    struct beams all;        // the same beam in all lanes
+    const float *o[3], *d[3]; // of the first ray
+    const uint32_t *self;
+    const float *limit;   // farthest distance that matters
+    vint active[PACKETS]; // lanes whose answer is not known yet
+    uint32_t place;       // of the first ray, in its queue
+    uint32_t rays;        // in the queue; those of a last part of a packet do not take part
+    int count;            // of packets
+    int credit[PACKETS];  // so many tests may still be in vain
+    uint64_t signs[3][2]; // packets of which some, all rays go backward on an axis; 0 is both ways
+    uint64_t open;        // packets in work, one bit each
+    uint64_t failed;      // packets that are no beam, or were given up
+    struct beams all;     // the same beam in all lanes
     struct beams by_packet[PARTS];
     int backward[3]; // do the rays in work go backward on this axis?
 };
 
-RB_INLINE struct packet bundle_packet(const struct bundle *b, int p, bool shadow)
+RB_INLINE struct vvec bundle_vector(const float *const from[3], int p)
 {
-    struct vvec o = {b->o[0][p], b->o[1][p], b->o[2][p]};
-    struct vvec d = {b->d[0][p], b->d[1][p], b->d[2][p]};
-    return packet_make(o, d, b->self[p], shadow);
+    return (struct vvec){vf_load(from[0] + p * RB_LANES), vf_load(from[1] + p * RB_LANES),
+                         vf_load(from[2] + p * RB_LANES)};
 }
 
-// Packets with rays whose answer is not known, one bit each.
+RB_INLINE struct packet bundle_packet(const struct bundle *b, int p, bool shadow)
+{
+    return packet_make(bundle_vector(b->o, p), bundle_vector(b->d, p),
+                       vi_load(b->self + p * RB_LANES), shadow);
+}
+
+RB_INLINE vfloat bundle_limits(const struct bundle *bundle, int p)
+{
+    return vf_load(bundle->limit + p * RB_LANES);
+}
+
+RB_INLINE uint32_t bundle_place(const struct bundle *bundle, int p)
+{
+    return bundle->place + (uint32_t)p * RB_LANES;
+}
+
+// Packets that are beams and have rays whose answer is not known, one bit each.
 static inline uint64_t bundle_packets(const struct bundle *bundle)
 {
     uint64_t packets = 0;
     for (int p = 0; p < bundle->count; p++)
         packets |= (uint64_t)vi_any(bundle->active[p]) << p;
-    return packets;
-}
-
-// Which lanes go backward on each axis, one bit each: those whose sign bit is set, see
-// safe_inverse.
-static inline void signs_of(struct vvec d, unsigned signs[3])
-{
-    signs[0] = vi_bits((vint)d.x < 0);
-    signs[1] = vi_bits((vint)d.y < 0);
-    signs[2] = vi_bits((vint)d.z < 0);
-}
-
-static inline void bundle_clear(struct bundle *bundle)
-{
-    bundle->count = 0, bundle->failed = 0;
-    memset(bundle->signs, 0, sizeof bundle->signs);
-}
-
-// Adds a packet with rays in all lanes.
-static inline void bundle_add(struct bundle *bundle, const struct packet *packet,
-                              const unsigned signs[3], vfloat limit, uint32_t place)
-{
-    int p = bundle->count++;
-    bundle->o[0][p] = packet->o.x, bundle->o[1][p] = packet->o.y, bundle->o[2][p] = packet->o.z;
-    bundle->d[0][p] = packet->d.x, bundle->d[1][p] = packet->d.y, bundle->d[2][p] = packet->d.z;
-    bundle->self[p] = packet->self;
-    bundle->active[p] = vi_first(RB_LANES);
-    bundle->limit[p] = limit;
-    bundle->place[p] = place;
-    for (int k = 0; k < 3; k++) {
-        bundle->signs[k][0] |= (uint64_t)(signs[k] != 0) << p;
-        bundle->signs[k][1] |= (uint64_t)(signs[k] == VI_ALL_BITS) << p;
-    }
+    return packets & ~bundle->failed;
 }
 
 // Where the near and the far planes of the 8 boxes of a node or a block are.
@@ -245,7 +230,7 @@ RB_INLINE void bundle_reach(const struct bundle *bundle, uint64_t set, const str
 // The limit of packet p has changed; bundle_limit_all follows when all such are known.
 RB_INLINE void bundle_limit(struct bundle *bundle, int p)
 {
-    vfloat limit = vf_select(bundle->active[p], bundle->limit[p], vf_set(-INFINITY));
+    vfloat limit = vf_select(bundle->active[p], bundle_limits(bundle, p), vf_set(-INFINITY));
     vfloat *limits = &bundle->by_packet[p / RB_LANES].limit;
     *limits = vf_select(vi_lanes() == p % RB_LANES, vf_max_lane(limit), *limits);
 }

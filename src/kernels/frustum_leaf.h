@@ -112,7 +112,7 @@ RB_INLINE vint leaf_hit(const struct rb_world *world, struct bundle *bundle, enu
 {
     struct packet packet = bundle_packet(bundle, p, shadow);
     vint active = bundle->active[p], found;
-    RB_COUNT_AT(bundle->place[p]);
+    RB_COUNT_AT(bundle_place(bundle, p));
     *hit = (struct hits){.prim = vi_set(with->id)};
     vint own = packet.self == hit->prim;
     if (kind == RB_WIDE_SPHERES)

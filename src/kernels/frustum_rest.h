@@ -52,11 +52,8 @@ static void rest_trace(struct rest *rest, const struct rb_kernels *by, const str
     by->trace(world, &rays, &answers);
     RB_COUNT_PLACES(NULL);
     for (uint32_t i = 0; i < rest->count; i += RB_LANES) {
-        uint32_t to = rest->place[i];
-        vf_store(hits->t + to, vf_load(rest->t + i));
-        vf_store(hits->u + to, vf_load(rest->u + i));
-        vf_store(hits->v + to, vf_load(rest->v + i));
-        vi_store(hits->prim + to, vi_load(rest->prim + i));
+        struct hits some = hits_load(&answers, i);
+        hits_store(hits, rest->place[i], &some);
     }
     rest->count = 0;
 }

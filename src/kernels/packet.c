@@ -150,10 +150,7 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
         struct hits best = closest(world, &packet, active);
         RB_COUNT_END(vi_bits(active));
         RB_COUNT_RAYS(HITS, vi_bits(best.prim != vi_set(RB_NONE)), 1);
-        vf_store(hits->t + i, best.t);
-        vf_store(hits->u + i, best.u);
-        vf_store(hits->v + i, best.v);
-        vi_store(hits->prim + i, best.prim);
+        hits_store(hits, i, &best);
     }
 }
 

@@ -22,6 +22,20 @@ struct hits {
     vint prim;
 };
 
+RB_INLINE struct hits hits_load(const struct rb_hits *hits, uint32_t i)
+{
+    return (struct hits){vf_load(hits->t + i), vf_load(hits->u + i), vf_load(hits->v + i),
+                         vi_load(hits->prim + i)};
+}
+
+RB_INLINE void hits_store(struct rb_hits *to, uint32_t i, const struct hits *hits)
+{
+    vf_store(to->t + i, hits->t);
+    vf_store(to->u + i, hits->u);
+    vf_store(to->v + i, hits->v);
+    vi_store(to->prim + i, hits->prim);
+}
+
 struct interval {
     vfloat near, far;
 };
