@@ -8,6 +8,11 @@
 // nearer. A visit is a node and the list of its rays. Rays that have found something closer than
 // the node drop out when the boxes of its children are tested.
 //
+// Groups of 16 neighbours in the queue that are of one octant are one entry of a list. A node's
+// boxes are held against the intervals of their origins and inverse directions (Boulos, Wald,
+// Shirley 2006); only groups that may part at one of them are tested ray by ray, and what does not
+// go on as a whole goes on as rays.
+//
 // A ray that goes into the sphere it starts on has that hit before it begins, and is culled by it.
 //
 // Against single rays (wide.c), ns a ray on one Zen 4 thread: diffuse rays of balls_high 90 -> 28,
@@ -19,6 +24,7 @@
 //   queue to rays by transposing in registers            31.0  29.0  15.2  19.4
 //   pairs of rays and spheres                            28.4  25.9  14.0  18.6
 //   octants of coherent rays by whole vectors            28.4  25.1  13.1  17.7
+//   groups of 16 coherent rays                           27.6  23.2  10.2  14.4
 // Two steps for triangles: mount6 diffuse 44 -> 37, mount9 106 -> 94. What bounds a visit now is
 // latency: 30 vector operations a ray, of which the scheduler holds those of four or five rays.
 //
@@ -28,7 +34,8 @@
 // gcc compiled it); rays stored octant by octant (diffuse the same, others 5 to 10 % slower);
 // minima and maxima of distances as integers, on other ports (1 to 3 % slower); AVX-512, two rays
 // against 8 boxes (5 to 18 % slower); pairs met at the end of each leaf (balls6 diffuse 5 %
-// slower).
+// slower); 32 registers and vpcompressd of AVX-512VL (2 % faster, 2 % slower); two rays side by
+// side in leaves of spheres (the same); beams made while rays are stored (8 % slower).
 //
 // Compiled once per instruction set (Makefile); the object's name of the kernel set comes with it.
 #include "kernels/wide_lanes.h"
@@ -36,6 +43,7 @@
 #include "kernels/packet_generate.h"
 #include "kernels/packet_light.h"
 #include "kernels/packet_surface.h"
+#include "kernels/stream_groups.h"
 #include "kernels/stream_leaves.h"
 #include "kernels/wide_single.h"
 
@@ -89,25 +97,20 @@ static inline uint64_t transpose(uint64_t m)
 }
 
 // Which children the rays of a list reach: bits by ray, counts and sums of distances by child.
-static void test_node(struct stream *stream, const struct rb_wide_node *node,
-                      const struct visit *visit, uint32_t counts[RB_WIDE], float sums[RB_WIDE])
+static void test_rays(struct stream *stream, const struct rb_wide_node *node,
+                      const struct visit *visit, struct reach *reach)
 {
-    const int *b = stream->backward;
-    struct vvec near[WIDE_PARTS], far[WIDE_PARTS];
+    struct boxes boxes[WIDE_PARTS];
     vint hits[WIDE_PARTS];
     vfloat sum[WIDE_PARTS];
     for (int part = 0; part < WIDE_PARTS; part++) {
-        near[part] = (struct vvec){vf_load(node->bounds[0][b[0]] + part * RB_LANES),
-                                   vf_load(node->bounds[1][b[1]] + part * RB_LANES),
-                                   vf_load(node->bounds[2][b[2]] + part * RB_LANES)};
-        far[part] = (struct vvec){vf_load(node->bounds[0][!b[0]] + part * RB_LANES),
-                                  vf_load(node->bounds[1][!b[1]] + part * RB_LANES),
-                                  vf_load(node->bounds[2][!b[2]] + part * RB_LANES)};
+        boxes[part] = boxes_of(node, stream->backward, part);
         hits[part] = vi_set(0);
         sum[part] = vf_set(0.0f);
     }
+    const uint32_t *list = stream->pool + visit->list + visit->groups;
     for (uint32_t i = 0; i < visit->count; i++) {
-        uint32_t index = stream->pool[visit->list + i];
+        uint32_t index = list[i];
         const struct stream_ray *one = &stream->ray[index];
         struct wide_ray ray;
         ray.o = vv_set(one->o), ray.inv = vv_set(one->inv);
@@ -115,7 +118,7 @@ static void test_node(struct stream *stream, const struct rb_wide_node *node,
         unsigned bits = 0;
         for (int part = 0; part < WIDE_PARTS; part++) {
             vfloat from, to;
-            wide_slabs(near[part], far[part], &ray, &from, &to);
+            wide_slabs(boxes[part].near, boxes[part].far, &ray, &from, &to);
             vint hit = from <= vf_min(to, limit);
             bits |= vi_bits(hit) << (part * RB_LANES);
             hits[part] -= hit;
@@ -127,7 +130,6 @@ static void test_node(struct stream *stream, const struct rb_wide_node *node,
         RB_COUNT_RAYS(NODES, 1, 1);
         RB_COUNT_RAYS(BOXES, 1, node->count);
     }
-    RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
     for (uint32_t i = 0; i < visit->count; i += 8) {
         uint64_t eight;
         memcpy(&eight, stream->bits + i, 8);
@@ -137,36 +139,58 @@ static void test_node(struct stream *stream, const struct rb_wide_node *node,
         eight = transpose(eight);
         memcpy(stream->bits + i, &eight, 8);
     }
-    for (int part = 0; part < WIDE_PARTS; part++) {
-        vi_store(counts + part * RB_LANES, hits[part]);
-        vf_store(sums + part * RB_LANES, sum[part]);
-    }
+    reach_add(reach, hits, sum);
 }
 
-// The rays of a list that reach child `lane`; whole vectors are written.
-static inline void filter(const struct stream *stream, const struct visit *visit, int lane,
-                          uint32_t *to)
+// The visit of child `lane` by what reaches it, listed from `top` on; whole vectors are written.
+// The first rays of the list are those of its groups, which stay together where all of them go.
+static struct visit filter(struct stream *stream, const struct visit *list, rb_wide_child child,
+                           int lane, uint32_t top)
 {
-    for (uint32_t i = 0; i < visit->count; i += RB_LANES) {
+    const uint32_t *groups = stream->pool + list->list, *from = groups + list->groups;
+    uint32_t *start = stream->pool + top, *to = start;
+    for (uint32_t i = 0; i < stream->wholes; i++) {
+        *to = stream->whole[i];
+        to += stream->whole_bits[i] >> lane & 1;
+    }
+    for (uint32_t i = 0; i < list->groups; i++) {
+        uint8_t *bits = stream->bits + GROUP * i + lane;
+        if ((bits[0] & bits[8]) == 0xff) {
+            *to++ = groups[i];
+            bits[0] = bits[8] = 0;
+        }
+    }
+    uint32_t *rays = to;
+    for (uint32_t i = 0; i < list->count; i += RB_LANES) {
         unsigned eight = stream->bits[i / 8 * 8 + (uint32_t)lane];
         unsigned bits = eight >> i % 8 & VI_ALL_BITS;
-        to += vi_pack(to, vi_load(stream->pool + visit->list + i), bits);
+        to += vi_pack(to, vi_load(from + i), bits);
     }
+    return (struct visit){child, top, (uint32_t)(rays - start), (uint32_t)(to - rays)};
 }
 
 // Leaves visits of the children on the stack, the one that is nearest on average on top.
 static int visit_node(struct stream *stream, const struct visit *visit, uint32_t top, int depth)
 {
     const struct rb_wide_node *node = &stream->world->wide->nodes[visit->child];
-    uint32_t counts[RB_WIDE];
-    float sums[RB_WIDE];
+    struct reach reach = {0};
     uint64_t order[RB_WIDE];
     int reached = 0;
-    test_node(stream, node, visit, counts, sums);
+    struct visit list = {visit->child, visit->list + visit->groups, 0, visit->count};
+    RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
+    stream->wholes = 0;
+    if (visit->groups)
+        list.groups = test_groups(stream, node, visit, top, &reach);
+    if (list.groups) {
+        list.count = list_rays(stream, stream->pool + top, &list, top + list.groups);
+        list.list = top, top += list.groups + list.count;
+    }
+    if (list.count)
+        test_rays(stream, node, &list, &reach);
     for (uint32_t lane = 0; lane < RB_WIDE; lane++) {
-        if (!counts[lane])
+        if (!reach.counts[lane])
             continue;
-        uint64_t key = visit_make(sums[lane] / (float)counts[lane], lane);
+        uint64_t key = visit_make(reach.sums[lane] / (float)reach.counts[lane], lane);
         int at = reached++;
         for (; at > 0 && order[at - 1] < key; at--)
             order[at] = order[at - 1];
@@ -174,75 +198,91 @@ static int visit_node(struct stream *stream, const struct visit *visit, uint32_t
     }
     for (int i = 0; i < reached; i++) {
         int lane = (int)(uint32_t)order[i];
-        stream->stack[depth++] = (struct visit){node->child[lane], top, counts[lane]};
-        filter(stream, visit, lane, stream->pool + top);
+        struct visit next = filter(stream, &list, node->child[lane], lane, top);
+        stream->stack[depth++] = next;
         rb_wide_prefetch(stream->world->wide, node->child[lane]);
-        top += counts[lane];
+        top += next.groups + next.count;
     }
     return depth;
 }
 
-// Sends the rays of one octant, a list in the pool, through the tree. What is above `floor` in the
-// pool is free.
-static void traverse(struct stream *stream, uint32_t list, uint32_t count, uint32_t floor)
+// Entries of the pool that a visit of a node may take, and those of its children one by one after.
+static inline uint32_t room_for(const struct visit *visit)
+{
+    return (RB_WIDE + 2) * ((GROUP + 1) * visit->groups + visit->count + 1);
+}
+
+// Sends the rays of one octant through the tree. What is above `floor` in the pool is free.
+static void traverse(struct stream *stream, struct visit first, uint32_t floor)
 {
     int depth = 0;
-    stream->stack[depth++] = (struct visit){0, list, count};
+    stream->stack[depth++] = first;
     while (depth > 0) {
         struct visit visit = stream->stack[--depth];
-        uint32_t end = visit.list + visit.count, top = end > floor ? end : floor;
-        if (rb_wide_kind_of(visit.child) != RB_WIDE_NODE)
-            visit_leaf(stream, &visit);
-        else if (POOL - top < RB_WIDE * (visit.count + 1))
-            go_alone(stream, &visit);
-        else
+        uint32_t end = visit.list + visit.groups + visit.count, top = end > floor ? end : floor;
+        bool node = rb_wide_kind_of(visit.child) == RB_WIDE_NODE;
+        if (node && POOL - top >= room_for(&visit)) {
             depth = visit_node(stream, &visit, top, depth);
+            continue;
+        }
+        if (visit.groups) {
+            uint32_t *groups = stream->pool + visit.list;
+            struct visit rays = {visit.child, visit.list + visit.groups, visit.groups, visit.count};
+            if (!node)
+                rays.groups = cull_groups(stream, visit.child, groups, visit.groups);
+            rays.count = list_rays(stream, groups, &rays, top);
+            visit = (struct visit){visit.child, top, 0, rays.count};
+        }
+        if (!node)
+            visit_leaf(stream, &visit);
+        else
+            go_alone(stream, &visit);
     }
     if (stream->pairs.count)
         meet_pairs(stream);
 }
 
-// Lists the rays octant by octant, from the start of the pool; first[i] is where octant i begins.
-// Coherent rays are dealt with by whole vectors.
-static void sort_octants(struct stream *stream, uint32_t first[OCTANTS + 2])
+// Lists the groups and rays octant by octant, from the start of the pool; returns the end.
+static uint32_t sort_octants(struct stream *stream, struct visit first[OCTANTS])
 {
-    uint32_t next[OCTANTS + 1];
-    memset(first, 0, (OCTANTS + 2) * sizeof *first);
-    for (uint32_t i = 0; i < stream->count; i += RB_LANES) {
+    uint32_t groups[OCTANTS + 1] = {0}, rays[OCTANTS + 1] = {0}, top = 0;
+    for (uint32_t i = 0; i < stream->count; i += GROUP) {
         const uint32_t *octant = stream->octant + i;
-        if (!vi_any(vi_load(octant) != vi_set(*octant)))
-            first[*octant + 1] += RB_LANES;
+        stream->alike[i / GROUP] = one_octant(octant);
+        if (stream->alike[i / GROUP])
+            groups[*octant]++, store_beam(stream, i / GROUP);
         else
-            for (uint32_t lane = 0; lane < RB_LANES; lane++)
-                first[octant[lane] + 1]++;
+            for (uint32_t lane = 0; lane < GROUP; lane++)
+                rays[octant[lane]]++;
     }
-    for (int octant = 0; octant < OCTANTS; octant++)
-        first[octant + 1] += first[octant];
-    memcpy(next, first, sizeof next);
-    for (uint32_t i = 0; i < stream->count; i += RB_LANES) {
+    for (int octant = 0; octant < OCTANTS; octant++) {
+        first[octant] = (struct visit){0, top, groups[octant], rays[octant]};
+        groups[octant] = top, top += first[octant].groups;
+        rays[octant] = top, top += first[octant].count;
+    }
+    groups[OCTANTS] = rays[OCTANTS] = top;
+    for (uint32_t i = 0; i < stream->count; i += GROUP) {
         const uint32_t *octant = stream->octant + i;
-        if (!vi_any(vi_load(octant) != vi_set(*octant))) {
-            vi_store(stream->pool + next[*octant], vi_set(i) + vi_lanes());
-            next[*octant] += RB_LANES;
-        } else {
-            for (uint32_t lane = 0; lane < RB_LANES; lane++)
-                stream->pool[next[octant[lane]]++] = i + lane;
-        }
+        if (stream->alike[i / GROUP])
+            stream->pool[groups[*octant]++] = i / GROUP;
+        else
+            for (uint32_t lane = 0; lane < GROUP; lane++)
+                stream->pool[rays[octant[lane]]++] = i + lane;
     }
+    return top;
 }
 
 static void run(struct stream *stream)
 {
-    uint32_t first[OCTANTS + 2];
+    struct visit first[OCTANTS];
     if (stream->world->wide->count[RB_WIDE_NODE] == 0)
         return;
-    sort_octants(stream, first);
+    uint32_t floor = sort_octants(stream, first);
     for (int octant = 0; octant < OCTANTS; octant++) {
-        uint32_t count = first[octant + 1] - first[octant];
         for (int k = 0; k < 3; k++)
             stream->backward[k] = octant >> k & 1;
-        if (count)
-            traverse(stream, first[octant], count, first[OCTANTS]);
+        if (first[octant].groups + first[octant].count)
+            traverse(stream, first[octant], floor);
     }
 }
 

@@ -11,6 +11,7 @@ enum {
     STREAM_MAX = 4096,      // rays at a time
     POOL = 16 * STREAM_MAX, // entries of lists; where they run out rays go on alone
     OCTANTS = 8,
+    GROUP = 16, // neighbours in a queue, one entry of a list while they go the same ways
 };
 
 // What boxes need of a ray, half a cache line. It ends at t: at what it has found, or before
@@ -23,10 +24,17 @@ enum { RAY_FLOATS = sizeof(struct stream_ray) / sizeof(float) };
 
 #define OCCLUDED (-1.0f)
 
-// A node or leaf that is still to be visited by `count` rays.
+// Least and largest of what the rays of a group have. low.self is the primitive that all of them
+// start on, or RB_NONE.
+struct beam {
+    struct stream_ray low, high;
+};
+
+// A node or leaf that is still to be visited. Its list in the pool begins with groups; rays that
+// are on their own follow.
 struct visit {
     rb_wide_child child;
-    uint32_t list, count; // in the pool
+    uint32_t list, groups, count;
 };
 
 // Pairs of a ray and a sphere that it may hit, a pair in every lane.
@@ -48,6 +56,11 @@ struct stream {
     uint32_t some[STREAM_MAX];   // of a list
     uint8_t bits[STREAM_MAX];    // children that the rays of a list reach
     uint32_t octant[STREAM_MAX]; // OCTANTS for rays that are not valid
+    _Alignas(64) struct beam beam[STREAM_MAX / GROUP];
+    bool alike[STREAM_MAX / GROUP];         // groups of one octant
+    uint32_t wholes;                        // groups of a list that go the same ways:
+    uint32_t whole[STREAM_MAX / GROUP];     // which,
+    uint8_t whole_bits[STREAM_MAX / GROUP]; // and the children that they reach
     struct visit stack[RB_WIDE_STACK];
 };
 
@@ -157,8 +170,9 @@ static inline void load_lanes(const struct source *from, uint32_t i, struct lane
     lanes->inv =
         (struct vvec){wide_inverse(lanes->d.x), wide_inverse(lanes->d.y), wide_inverse(lanes->d.z)};
     lanes->self = vi_load(from->self + i);
-    lanes->valid = vi_first(from->end - i) & vv_finite(lanes->o) & vv_finite(lanes->d);
     lanes->best_t = from->distance ? vf_load(from->distance + i) : vf_set(INFINITY);
+    lanes->valid = vi_first(from->end - i) & vv_finite(lanes->o) & vv_finite(lanes->d) &
+                   (lanes->best_t == lanes->best_t);
     lanes->best_prim = vi_set(RB_NONE);
 }
 
@@ -209,6 +223,8 @@ static void stream_fill(struct stream *stream, const struct source *from)
         store_lanes(stream, i, &lanes);
         store_found(stream, i, &lanes);
     }
+    for (uint32_t i = stream->count; i % GROUP; i++)
+        stream->octant[i] = OCTANTS;
 }
 
 #endif
