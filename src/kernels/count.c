@@ -57,6 +57,11 @@ void rb_counting_begin(uint32_t index)
     rb_counting.deepest = 0;
 }
 
+static uint32_t place_of(uint32_t index)
+{
+    return rb_counting.places ? rb_counting.places[index] : rb_counting.base + index;
+}
+
 void rb_counting_rays(enum rb_counter counter, unsigned bits, uint32_t each)
 {
     rb_counting.counts.of[counter] += (uint64_t)__builtin_popcount(bits) * each;
@@ -64,7 +69,7 @@ void rb_counting_rays(enum rb_counter counter, unsigned bits, uint32_t each)
         return;
     for (unsigned rest = bits; rest; rest &= rest - 1) {
         uint32_t index = rb_counting.first + (uint32_t)__builtin_ctz(rest);
-        rb_counting.cost[rb_counting.places ? rb_counting.places[index] : index] += each;
+        rb_counting.cost[place_of(index)] += each;
     }
 }
 

@@ -44,10 +44,11 @@ extern const char *const rb_counter_names[RB_COUNTER_COUNT]; // "nodes"
 struct rb_counting {
     struct rb_counts counts;
     uint32_t first;         // index of the ray in lane 0
-    const uint32_t *places; // where rays of that index are in their queue; NULL: there
-    uint64_t deepest;       // stack of the running traversal
-    uint32_t *cost;         // not NULL: what `chosen` counts is added up here, by ray
-    uint32_t chosen;        // bit c: counter c
+    const uint32_t *places; // where rays of that index are in their queue; NULL: `base` further
+    uint32_t base;
+    uint64_t deepest; // stack of the running traversal
+    uint32_t *cost;   // not NULL: what `chosen` counts is added up here, by ray
+    uint32_t chosen;  // bit c: counter c
 };
 extern _Thread_local struct rb_counting rb_counting;
 
@@ -72,10 +73,11 @@ void rb_counting_end(unsigned bits);
 #define RB_COUNT(what) (0 ? (void)(what) : (void)0) // compiled, never run
 #endif
 
-// The kernel that is called next gets rays that have such places in their queue. Or: the work that
-// follows is that of the rays from `index` on, the first of them in lane 0; and it is done, for the
-// rays of `bits`.
+// The kernel that is called next gets rays that have such places in their queue, or those from
+// `base` on. Or: the work that follows is that of the rays from `index` on, the first of them in
+// lane 0; and it is done, for the rays of `bits`.
 #define RB_COUNT_PLACES(at)   RB_COUNT(rb_counting.places = (at))
+#define RB_COUNT_BASE(from)   RB_COUNT(rb_counting.base = (from))
 #define RB_COUNT_BEGIN(index) RB_COUNT(rb_counting_begin(index))
 #define RB_COUNT_END(bits)    RB_COUNT(rb_counting_end(bits))
 

@@ -7,19 +7,23 @@
 //
 // Packets of a bundle that go the same ways are traced together. Those that go both ways on two
 // axes, and those that have tested too many primitives in vain, wait for each other and go on as a
-// stream (stream.c). Compiled once per instruction set (Makefile).
+// stream (stream.c), and so does the rest of a queue once most of its packets did. Compiled once
+// per instruction set (Makefile).
 //
 // ns a ray, balls_high 1024 x 1024, one Zen 4 thread beside other load, least times: primary 12.2
 // -> 7.1, shadow 22.9 -> 11.4, refraction 22.9 -> 17.2 against bundles whose packets were tested
 // box by box, ray by ray, the first and the last of them only (after Wald, Boulos, Shirley 2007);
-// mount9 primary 62 -> 39, shadow 133 -> 70. Shadow rays culled from the surface instead: 23.7.
-// Few packets meet boxes one by one: mount10 primary 87 -> 75, shadow 158 -> 130. Rays read in
-// place instead of copied into the bundle, one comparison for common origins, signs from the ends
-// of the beams: balls_high primary 7.1 -> 5.5, shadow 10.7 -> 9.3, reflection 22.2 -> 21.3. Tried
-// and dropped: giving up bundles as a whole, and then trying quarters of them (shadow 15 to 18);
-// packets of 16 x 1 instead of 4 x 4 pixels (primary 14.5 -> 10.6 when that was changed). Of rays
-// read in place: inverses kept for all packets (primary +4 %), bundles of 512 (+9 %), the next
-// bundle prefetched (-4 to +10 %), leaves in two passes as those of streams are (+1 to -2 %).
+// mount9 primary 62 -> 39, shadow 133 -> 70. Shadow rays culled from the surface instead: 23.7. Few
+// packets meet boxes one by one: mount10 primary 87 -> 75, shadow 158 -> 130. Rays read in place
+// instead of copied into the bundle, one comparison for common origins, signs from the ends of the
+// beams: balls_high primary 7.1 -> 5.5, shadow 10.7 -> 9.3, reflection 22.2 -> 21.3. The rest of a
+// queue streamed: balls_high diffuse 33.8 -> 29.2, balls6 refraction 29 -> 23, mount9 refraction 70
+// -> 57, mount10 shadow 111 -> 97 (streamed once a third was given up: shadow of balls_high +6 %,
+// of balls6 -11 %). Tried and dropped: giving up bundles as a whole, and then trying quarters of
+// them (shadow 15 to 18); packets of 16 x 1 instead of 4 x 4 pixels (primary 14.5 -> 10.6 when that
+// was changed). Of rays read in place: inverses kept for all packets (primary +4 %), bundles of 512
+// (+9 %), the next bundle prefetched (-4 to +10 %), leaves in two passes as those of streams are
+// (+1 to -2 %).
 #include "kernels/frustum_bound.h"
 #include "kernels/frustum_leaf.h"
 #include "kernels/frustum_rest.h"
@@ -289,17 +293,13 @@ static void trace_bundle(const struct rb_world *world, struct bundle *bundle, st
     }
 }
 
-// SPD's one-sided surfaces are a matter of tests, not of speed.
 static void trace(const struct rb_world *world, const struct rb_rays *rays, struct rb_hits *hits)
 {
     struct bundle bundle;
     struct rest rest;
-    rest.count = 0;
-    if (world->one_sided) {
-        ELSE.trace(world, rays, hits);
-        return;
-    }
-    for (uint32_t first = 0; first < rays->count; first += BUNDLE) {
+    uint32_t first = 0, end = world->one_sided ? 0 : rays->count; // no bundles of one-sided tests
+    rest.count = rest.total = 0;
+    for (; first < end && !rest_is_most(&rest, first); first += BUNDLE) {
         if (load_rays(rays, first, hits, &bundle))
             trace_bundle(world, &bundle, hits);
         for (int p = 0; bundle_place(&bundle, p) < first + bundle.rays; p++) {
@@ -315,6 +315,8 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
     }
     if (rest.count)
         rest_trace(&rest, &ELSE, world, hits);
+    if (first < rays->count)
+        trace_from(first, &ELSE, world, rays, hits);
 }
 
 static bool load_shadows(const struct rb_shadows *shadows, uint32_t first, struct bundle *bundle)
@@ -358,8 +360,9 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
 {
     struct bundle bundle;
     struct rest rest;
-    rest.count = 0;
-    for (uint32_t first = 0; first < shadows->count; first += BUNDLE) {
+    uint32_t first = 0;
+    rest.count = rest.total = 0;
+    for (; first < shadows->count && !rest_is_most(&rest, first); first += BUNDLE) {
         if (load_shadows(shadows, first, &bundle))
             shadow_bundle(world, &bundle);
         for (int p = 0; bundle_place(&bundle, p) < first + bundle.rays; p++) {
@@ -375,4 +378,6 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
     }
     if (rest.count)
         rest_trace_shadow(&rest, &ELSE, world, shadows);
+    if (first < shadows->count)
+        trace_shadow_from(first, &ELSE, world, shadows);
 }
