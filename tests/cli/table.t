@@ -122,7 +122,7 @@ pid=$!
 for _ in 1 2 3 4 5 6 7 8 9 10; do [ -n "$(ls "$tmp/tmpdir")" ] || sleep 0.2; done
 sleep 0.2
 kill -TERM $pid
-wait $pid
+wait $pid 2>/dev/null # the shell would say "Terminated"
 check 'SIGTERM ends it' [ $? = 143 ]
 check 'without temporary files' [ -z "$(ls "$tmp/tmpdir")" ]
 check 'without a table' [ -z "$(ls "$tmp/killed")" ]
