@@ -27,6 +27,7 @@
 #include "kernels/frustum_bound.h"
 #include "kernels/frustum_leaf.h"
 #include "kernels/frustum_rest.h"
+#include "kernels/frustum_split.h"
 #include "kernels/packet_generate.h"
 #include "kernels/packet_light.h"
 #include "kernels/packet_surface.h"
@@ -73,14 +74,15 @@ static void count_node(const struct bundle *bundle, uint64_t set)
 static void count_end(const struct bundle *bundle, uint64_t set)
 {
     for (; set; set &= set - 1) {
-        RB_COUNT_AT(bundle_place(bundle, __builtin_ctzll(set)));
-        RB_COUNT_END(VI_ALL_BITS);
+        int p = __builtin_ctzll(set);
+        RB_COUNT_AT(bundle_place(bundle, p));
+        RB_COUNT_END(bundle->lanes[p]);
     }
 }
 
 // Puts the children that are needed on the stack, the nearest on top.
-static inline int push(const struct rb_wide *wide, const struct bundle *bundle, struct visit from,
-                       struct visit *stack, int depth)
+RB_INLINE int push(const struct rb_wide *wide, const struct bundle *bundle, int parts,
+                   struct visit from, struct visit *stack, int depth)
 {
     const struct rb_wide_node *node = &wide->nodes[from.child];
     struct planes planes = planes_of(bundle, node->bounds[0][0]);
@@ -88,7 +90,7 @@ static inline int push(const struct rb_wide *wide, const struct bundle *bundle, 
     int bottom = depth;
     RB_COUNT(count_node(bundle, from.set));
     RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
-    bundle_reach(bundle, from.set, &planes, &reach);
+    bundle_reach(bundle, parts, from.set, &planes, &reach);
     unsigned bits = reach.boxes & ((1u << node->count) - 1);
     for (; bits; bits &= bits - 1) {
         int c = __builtin_ctz(bits), at;
@@ -109,7 +111,7 @@ RB_INLINE void leaf_closest(const struct rb_world *world, struct bundle *bundle,
     struct leaf leaf;
     struct reach reach;
     uint64_t closer = 0;
-    leaf_open(bundle, world->wide, visit.child, kind, visit.set, &leaf, &reach);
+    leaf_open(bundle, WHOLES, world->wide, visit.child, kind, visit.set, &leaf, &reach);
     for (unsigned bits = reach.boxes; bits; bits &= bits - 1) {
         int lane = __builtin_ctz(bits);
         struct primitive with = leaf_primitive(&leaf, lane);
@@ -129,7 +131,7 @@ RB_INLINE void leaf_closest(const struct rb_world *world, struct bundle *bundle,
         return;
     for (; closer; closer &= closer - 1)
         bundle_limit(bundle, __builtin_ctzll(closer));
-    bundle_limit_all(bundle);
+    bundle_limit_all(bundle, WHOLES);
 }
 
 // Lanes that are found to be occluded cease to be active, and packets without others to be open.
@@ -138,7 +140,8 @@ RB_INLINE void leaf_any(const struct rb_world *world, struct bundle *bundle, str
 {
     struct leaf leaf;
     struct reach reach;
-    leaf_open(bundle, world->wide, visit.child, kind, visit.set, &leaf, &reach);
+    leaf_open(bundle, bundle_parts(bundle), world->wide, visit.child, kind, visit.set, &leaf,
+              &reach);
     for (unsigned bits = reach.boxes; bits; bits &= bits - 1) {
         int lane = __builtin_ctz(bits);
         struct primitive with = leaf_primitive(&leaf, lane);
@@ -202,7 +205,7 @@ static void closest(const struct rb_world *world, struct bundle *bundle, struct 
             continue;
         enum rb_wide_kind kind = rb_wide_kind_of(visit.child);
         if (kind == RB_WIDE_NODE)
-            depth = push(wide, bundle, visit, stack, depth);
+            depth = push(wide, bundle, WHOLES, visit, stack, depth);
         else
             leaf_closest_of[kind](world, bundle, visit, hits);
     }
@@ -212,7 +215,7 @@ static void any(const struct rb_world *world, struct bundle *bundle)
 {
     const struct rb_wide *wide = world->wide;
     struct visit stack[RB_WIDE_STACK];
-    int depth = 0;
+    int depth = 0, parts = bundle_parts(bundle);
     if (wide->count[RB_WIDE_NODE])
         stack[depth++] = (struct visit){bundle->open, 0.0f, 0};
     RB_COUNT_BEGIN(0);
@@ -223,10 +226,17 @@ static void any(const struct rb_world *world, struct bundle *bundle)
             continue;
         enum rb_wide_kind kind = rb_wide_kind_of(visit.child);
         if (kind == RB_WIDE_NODE)
-            depth = push(wide, bundle, visit, stack, depth);
+            depth = push(wide, bundle, parts, visit, stack, depth);
         else
             leaf_any_of[kind](world, bundle, visit);
     }
+}
+
+// What all bundles of a queue have in common.
+static void bundle_init(struct bundle *bundle)
+{
+    for (int p = 0; p < PACKETS; p++)
+        bundle->from[p] = (uint8_t)p, bundle->lanes[p] = VI_ALL_BITS;
 }
 
 // Takes the rays of a queue from `first` on, and returns whether there is any whole packet.
@@ -238,6 +248,7 @@ static bool load(struct bundle *bundle, uint32_t first, uint32_t count)
     bundle->failed = ~(uint64_t)0;
     for (int p = 0; p < bundle->count; p++)
         bundle->active[p] = vi_first(RB_LANES);
+    bundle->extra = 0;
     return bundle->count > 0;
 }
 
@@ -287,7 +298,7 @@ static void trace_bundle(const struct rb_world *world, struct bundle *bundle, st
     planes_closest(world, bundle, hits);
     bundle_bound_limits(bundle);
     for (uint64_t left = bundle_packets(bundle); left;) {
-        uint64_t group = bundle_group(bundle, &left);
+        uint64_t group = bundle_group(bundle, WHOLES, &left);
         closest(world, bundle, hits);
         RB_COUNT(count_end(bundle, group));
     }
@@ -299,10 +310,11 @@ static void trace(const struct rb_world *world, const struct rb_rays *rays, stru
     struct rest rest;
     uint32_t first = 0, end = world->one_sided ? 0 : rays->count; // no bundles of one-sided tests
     rest.count = rest.total = 0;
+    bundle_init(&bundle);
     for (; first < end && !rest_is_most(&rest, first); first += BUNDLE) {
         if (load_rays(rays, first, hits, &bundle))
             trace_bundle(world, &bundle, hits);
-        for (int p = 0; bundle_place(&bundle, p) < first + bundle.rays; p++) {
+        for (int p = 0; (uint32_t)p * RB_LANES < bundle.rays; p++) {
             if (give_up(&bundle, p, false, &rest))
                 continue;
             RB_COUNT_BEGIN(bundle_place(&bundle, p));
@@ -346,14 +358,17 @@ static void planes_any(const struct rb_world *world, struct bundle *bundle)
 
 static void shadow_bundle(const struct rb_world *world, struct bundle *bundle)
 {
-    bundle_bound_shadows(bundle);
+    bool light = bundle_bound_shadows(bundle);
     planes_any(world, bundle);
     bundle_bound_limits(bundle);
+    if (light)
+        bundle_split(bundle);
     for (uint64_t left = bundle_packets(bundle); left;) {
-        uint64_t group = bundle_group(bundle, &left);
+        uint64_t group = bundle_group(bundle, bundle_parts(bundle), &left);
         any(world, bundle);
         RB_COUNT(count_end(bundle, group));
     }
+    bundle_join(bundle);
 }
 
 static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadows)
@@ -362,10 +377,11 @@ static void trace_shadow(const struct rb_world *world, struct rb_shadows *shadow
     struct rest rest;
     uint32_t first = 0;
     rest.count = rest.total = 0;
+    bundle_init(&bundle);
     for (; first < shadows->count && !rest_is_most(&rest, first); first += BUNDLE) {
         if (load_shadows(shadows, first, &bundle))
             shadow_bundle(world, &bundle);
-        for (int p = 0; bundle_place(&bundle, p) < first + bundle.rays; p++) {
+        for (int p = 0; (uint32_t)p * RB_LANES < bundle.rays; p++) {
             uint32_t i = bundle_place(&bundle, p);
             if (give_up(&bundle, p, true, &rest))
                 continue;

@@ -68,7 +68,7 @@ static uint64_t bundle_finite(const struct bundle *bundle)
 static bool bound_origins(struct bundle *bundle, int k)
 {
     bool same = all_same(bundle->o[k], bundle->count);
-    for (int part = 0; part < PARTS; part++) {
+    for (int part = 0; part < WHOLES; part++) {
         vfloat *o = bundle->by_packet[part].o[k];
         if (same)
             o[0] = o[1] = vf_set(bundle->o[k][0]);
@@ -78,16 +78,19 @@ static bool bound_origins(struct bundle *bundle, int k)
     return same;
 }
 
+static void bound_origin(struct beams *beams, int k, const float ends[2])
+{
+    beams->o[k][0] = vf_set(ends[0]), beams->o[k][1] = vf_set(ends[1]);
+}
+
 // Beams of directions, or of those turned round. The inverse falls where the direction rises, on
 // either side of 0. Where the rays of a packet go both ways, or are parallel to the planes, nothing
 // may be culled: beams_slab gets all of the line.
-static void bound_directions(struct bundle *bundle, int k, bool turned)
+static void bound_part(struct bundle *bundle, int part, bool turned)
 {
-    bundle->signs[k][0] = bundle->signs[k][1] = 0;
-    for (int part = 0; part < PARTS; part++) {
+    for (int k = 0; k < 3; k++) {
         struct beams *beams = &bundle->by_packet[part];
-        vfloat low, high;
-        lanes_range(bundle->d[k], part * RB_LANES, bundle->count, &low, &high);
+        vfloat low = bundle->ends[part].low[k], high = bundle->ends[part].high[k];
         if (turned) {
             vfloat least = low;
             low = -high, high = -least;
@@ -99,6 +102,18 @@ static void bound_directions(struct bundle *bundle, int k, bool turned)
         beams->inv[k][1] = vf_select(mixed, vf_set(1.0f), safe_inverse(low));
         beams->o[k][0] = vf_select(mixed, vf_set(-INFINITY), beams->o[k][0]);
         beams->o[k][1] = vf_select(mixed, vf_set(INFINITY), beams->o[k][1]);
+    }
+}
+
+static void bound_directions(struct bundle *bundle, bool turned)
+{
+    memset(bundle->signs, 0, sizeof bundle->signs);
+    for (int part = 0; part < WHOLES; part++) {
+        struct ends *ends = &bundle->ends[part];
+        for (int k = 0; k < 3; k++)
+            lanes_range(bundle->d[k], part * RB_LANES, bundle->count, &ends->low[k],
+                        &ends->high[k]);
+        bound_part(bundle, part, turned);
     }
 }
 
@@ -118,17 +133,17 @@ static void bound_rest(struct bundle *bundle, bool one_origin, uint64_t finite)
 static void bundle_bound(struct bundle *bundle)
 {
     bool one_origin = true;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; k++)
         one_origin &= bound_origins(bundle, k);
-        bound_directions(bundle, k, false);
-    }
+    bound_directions(bundle, false);
     bound_rest(bundle, one_origin, bundle_finite(bundle));
 }
 
 // The point in which all rays end, if there is one: an interval that holds it, 2^-18 of the largest
 // coordinate wide to each side, 20 times what the roundings of a slab and of the end can add up to.
-static bool bundle_end(const struct bundle *bundle, float low[3], float high[3])
+static bool bundle_end(struct bundle *bundle)
 {
+    float(*ends)[2] = bundle->end;
     vfloat far = vf_set(0.0f), sum = far;
     float reach = 0.0f;
     for (int k = 0; k < 3; k++) {
@@ -139,44 +154,43 @@ static bool bundle_end(const struct bundle *bundle, float low[3], float high[3])
             least = vf_min(end, least), most = vf_max(end, most);
             far = vf_max(vf_abs(o), far), sum += end;
         }
-        low[k] = vf_min_lane(least)[0], high[k] = vf_max_lane(most)[0];
-        reach = rb_max(reach, rb_max(fabsf(low[k]), fabsf(high[k])));
+        ends[k][0] = vf_min_lane(least)[0], ends[k][1] = vf_max_lane(most)[0];
+        reach = rb_max(reach, rb_max(fabsf(ends[k][0]), fabsf(ends[k][1])));
     }
     if (vi_any(sum * 0.0f != 0.0f))
         return false; // not finite
     float slack = rb_max(reach, vf_max_lane(far)[0]) * 0x1p-18f;
     for (int k = 0; k < 3; k++) {
-        if (!(high[k] - low[k] <= slack))
+        if (!(ends[k][1] - ends[k][0] <= slack))
             return false;
-        low[k] -= slack, high[k] += slack;
+        ends[k][0] -= slack, ends[k][1] += slack;
     }
     return true;
 }
 
 // Fills the beams of shadow rays. Those that end in one point, the light, are culled as rays from
 // there: they have one origin then, where they themselves have many (Boulos et al., as above).
-static void bundle_bound_shadows(struct bundle *bundle)
+// Returns whether they do.
+static bool bundle_bound_shadows(struct bundle *bundle)
 {
-    float low[3], high[3];
-    if (!bundle_end(bundle, low, high)) {
+    if (!bundle_end(bundle)) {
         bundle_bound(bundle);
-        return;
+        return false;
     }
     for (int k = 0; k < 3; k++) {
-        for (int part = 0; part < PARTS; part++) {
-            vfloat *o = bundle->by_packet[part].o[k];
-            o[0] = vf_set(low[k]), o[1] = vf_set(high[k]);
-        }
-        bound_directions(bundle, k, true);
+        for (int part = 0; part < WHOLES; part++)
+            bound_origin(&bundle->by_packet[part], k, bundle->end[k]);
     }
+    bound_directions(bundle, true);
     bound_rest(bundle, true, ~(uint64_t)0 >> (64 - bundle->count));
+    return true;
 }
 
 // Limits of packets, once they are known.
 static void bundle_bound_limits(struct bundle *bundle)
 {
     vfloat low;
-    for (int part = 0; part < PARTS; part++)
+    for (int part = 0; part < WHOLES; part++)
         lanes_range(bundle->limit, part * RB_LANES, bundle->count, &low,
                     &bundle->by_packet[part].limit);
 }
@@ -192,7 +206,7 @@ RB_INLINE vfloat four_min(const vfloat v[4])
 }
 
 // Takes packets that go the same ways out of `left`, puts them to work together and returns them.
-static uint64_t bundle_group(struct bundle *bundle, uint64_t *left)
+RB_INLINE uint64_t bundle_group(struct bundle *bundle, int parts, uint64_t *left)
 {
     int first = __builtin_ctzll(*left);
     uint64_t same = *left;
@@ -205,7 +219,7 @@ static uint64_t bundle_group(struct bundle *bundle, uint64_t *left)
     bundle->open = same;
     for (int k = 0; k < 3; k++) {
         vfloat far = vf_set(INFINITY), ends[4] = {far, far, far, far};
-        for (int part = 0; part < PARTS; part++) {
+        for (int part = 0; part < parts; part++) {
             const struct beams *beams = &bundle->by_packet[part];
             vint lanes = part_of(same, part);
             ends[0] = vf_min(vf_select(lanes, beams->o[k][0], far), ends[0]);
@@ -218,7 +232,7 @@ static uint64_t bundle_group(struct bundle *bundle, uint64_t *left)
         bundle->all.inv[k][0] = vf_set(least[2]), bundle->all.inv[k][1] = vf_set(-least[3]);
         bundle->backward[k] = (int)(bundle->signs[k][1] >> first & 1);
     }
-    bundle_limit_all(bundle);
+    bundle_limit_all(bundle, parts);
     return same;
 }
 

@@ -18,7 +18,9 @@
 enum {
     BUNDLE = 256, // rays
     PACKETS = BUNDLE / RB_LANES,
-    PARTS = PACKETS / RB_LANES,                      // vectors with a lane for each packet
+    EXTRA = PACKETS == 64 ? 0 : 16,    // that others may be split into (frustum_split.h)
+    WHOLES = PACKETS / RB_LANES,       // vectors with a lane for each packet,
+    PARTS = WHOLES + EXTRA / RB_LANES, // and for each of those as well
     BOXES = RB_LANES < RB_WIDE ? RB_LANES : RB_WIDE, // a vector holds
     FEW = 4,                                         // packets that meet boxes one by one
     CREDIT_NEAR = 64, // tests in vain after which a packet is given up: rays from one point,
@@ -31,21 +33,32 @@ struct beams {
     vfloat limit;              // farthest distance that matters to any of its rays
 };
 
-// Of whole packets, all of whose rays exist. The rays stay where they are.
+// The least and the largest direction of rays, a packet in every lane.
+struct ends {
+    vfloat low[3], high[3];
+};
+
+// Of whole packets, all of whose rays exist. The rays stay where they are. Those from PACKETS on
+// are what others are split into.
 struct bundle {
     const float *o[3], *d[3]; // of the first ray
     const uint32_t *self;
-    const float *limit;   // farthest distance that matters
-    vint active[PACKETS]; // lanes whose answer is not known yet
-    uint32_t place;       // of the first ray, in its queue
-    uint32_t rays;        // in the queue; those of a last part of a packet do not take part
-    int count;            // of packets
-    int credit[PACKETS];  // so many tests may still be in vain
+    const float *limit;           // farthest distance that matters
+    float end[3][2];              // where all rays end, if they end in one point
+    uint32_t place;               // of the first ray, in its queue
+    uint32_t rays;                // in the queue; those of a last part of a packet do not take part
+    int count;                    // of packets,
+    int extra;                    // and of those that others are split into
+    vint active[PACKETS + EXTRA]; // lanes whose answer is not known yet
+    uint8_t from[PACKETS + EXTRA];   // the packet whose rays these are,
+    uint16_t lanes[PACKETS + EXTRA]; // and which of them, one bit each
+    int credit[PACKETS + EXTRA];     // so many tests may still be in vain
     uint64_t signs[3][2]; // packets of which some, all rays go backward on an axis; 0 is both ways
     uint64_t open;        // packets in work, one bit each
     uint64_t failed;      // packets that are no beam, or were given up
     struct beams all;     // the same beam in all lanes
     struct beams by_packet[PARTS];
+    struct ends ends[PARTS];
     int backward[3]; // do the rays in work go backward on this axis?
 };
 
@@ -57,18 +70,31 @@ RB_INLINE struct vvec bundle_vector(const float *const from[3], int p)
 
 RB_INLINE struct packet bundle_packet(const struct bundle *b, int p, bool shadow)
 {
-    return packet_make(bundle_vector(b->o, p), bundle_vector(b->d, p),
-                       vi_load(b->self + p * RB_LANES), shadow);
+    int from = b->from[p];
+    return packet_make(bundle_vector(b->o, from), bundle_vector(b->d, from),
+                       vi_load(b->self + from * RB_LANES), shadow);
 }
 
 RB_INLINE vfloat bundle_limits(const struct bundle *bundle, int p)
 {
-    return vf_load(bundle->limit + p * RB_LANES);
+    return vf_load(bundle->limit + bundle->from[p] * RB_LANES);
 }
 
 RB_INLINE uint32_t bundle_place(const struct bundle *bundle, int p)
 {
-    return bundle->place + (uint32_t)p * RB_LANES;
+    return bundle->place + (uint32_t)bundle->from[p] * RB_LANES;
+}
+
+// One behind the last packet that another is split into.
+static inline int bundle_last(const struct bundle *bundle)
+{
+    return EXTRA ? PACKETS + bundle->extra : PACKETS;
+}
+
+// Vectors that have packets. Those who know that none are split say WHOLES, which is faster.
+static inline int bundle_parts(const struct bundle *bundle)
+{
+    return bundle->extra ? PARTS : WHOLES;
 }
 
 // Packets that are beams and have rays whose answer is not known, one bit each.
@@ -76,6 +102,8 @@ static inline uint64_t bundle_packets(const struct bundle *bundle)
 {
     uint64_t packets = 0;
     for (int p = 0; p < bundle->count; p++)
+        packets |= (uint64_t)vi_any(bundle->active[p]) << p;
+    for (int p = PACKETS; p < bundle_last(bundle); p++)
         packets |= (uint64_t)vi_any(bundle->active[p]) << p;
     return packets & ~bundle->failed;
 }
@@ -144,7 +172,7 @@ RB_INLINE unsigned bundle_boxes(const struct bundle *bundle, const struct planes
 }
 
 // Of the packets in `set` those that may meet box `lane`.
-RB_INLINE uint64_t bundle_narrow(const struct bundle *bundle, uint64_t set,
+RB_INLINE uint64_t bundle_narrow(const struct bundle *bundle, int parts, uint64_t set,
                                  const struct planes *planes, int lane)
 {
     uint64_t bits = 0;
@@ -152,7 +180,7 @@ RB_INLINE uint64_t bundle_narrow(const struct bundle *bundle, uint64_t set,
                             vf_set(planes->near[2][lane])};
     const vfloat far[3] = {vf_set(planes->far[0][lane]), vf_set(planes->far[1][lane]),
                            vf_set(planes->far[2][lane])};
-    for (int part = 0; part < PARTS; part++) {
+    for (int part = 0; part < parts; part++) {
         vfloat enter;
         unsigned asked = set >> part * RB_LANES & VI_ALL_BITS;
         if (!asked)
@@ -209,8 +237,8 @@ RB_INLINE void reach_few(const struct bundle *bundle, uint64_t set, const struct
     }
 }
 
-RB_INLINE void bundle_reach(const struct bundle *bundle, uint64_t set, const struct planes *planes,
-                            struct reach *reach)
+RB_INLINE void bundle_reach(const struct bundle *bundle, int parts, uint64_t set,
+                            const struct planes *planes, struct reach *reach)
 {
     reach->boxes = 0;
     memset(reach->set, 0, sizeof reach->set);
@@ -222,7 +250,7 @@ RB_INLINE void bundle_reach(const struct bundle *bundle, uint64_t set, const str
     unsigned bits = bundle_boxes(bundle, planes, reach->enter) & ((1u << RB_WIDE) - 1);
     for (; bits; bits &= bits - 1) {
         int lane = __builtin_ctz(bits);
-        reach->set[lane] = bundle_narrow(bundle, set, planes, lane);
+        reach->set[lane] = bundle_narrow(bundle, parts, set, planes, lane);
         reach->boxes |= (reach->set[lane] ? 1u : 0u) << lane;
     }
 }
@@ -242,10 +270,10 @@ RB_INLINE vint part_of(uint64_t set, int part)
     return (bits >> vi_lanes() & 1) != 0;
 }
 
-RB_INLINE void bundle_limit_all(struct bundle *bundle)
+RB_INLINE void bundle_limit_all(struct bundle *bundle, int parts)
 {
     vfloat all = vf_set(-INFINITY);
-    for (int part = 0; part < PARTS; part++)
+    for (int part = 0; part < parts; part++)
         all =
             vf_max(vf_select(part_of(bundle->open, part), bundle->by_packet[part].limit, all), all);
     bundle->all.limit = vf_max_lane(all);

@@ -52,7 +52,7 @@ static unsigned leaf_lanes(const uint32_t ids[RB_WIDE])
 
 // Opens a leaf for the packets of `set`, and finds which of them may meet which primitive. The
 // bounds of missing ones are NaN, and no beam meets them.
-RB_INLINE void leaf_open(const struct bundle *bundle, const struct rb_wide *wide,
+RB_INLINE void leaf_open(const struct bundle *bundle, int parts, const struct rb_wide *wide,
                          rb_wide_child child, enum rb_wide_kind kind, uint64_t set,
                          struct leaf *leaf, struct reach *reach)
 {
@@ -71,7 +71,7 @@ RB_INLINE void leaf_open(const struct bundle *bundle, const struct rb_wide *wide
         return;
     }
     struct planes planes = planes_of(bundle, leaf->bounds[0][0]);
-    bundle_reach(bundle, set, &planes, reach);
+    bundle_reach(bundle, parts, set, &planes, reach);
 }
 
 // One primitive of a leaf; of `sphere` and `triangle` that which it is.
