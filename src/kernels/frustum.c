@@ -22,7 +22,7 @@
 // of balls6 -11 %). Tried and dropped: giving up bundles as a whole, and then trying quarters of
 // them (shadow 15 to 18); packets of 16 x 1 instead of 4 x 4 pixels (primary 14.5 -> 10.6 when that
 // was changed). Of rays read in place: inverses kept for all packets (primary +4 %), bundles of 512
-// (+9 %), the next bundle prefetched (-4 to +10 %), leaves in two passes as those of streams are
+// (+9 %), leaves in two passes as those of streams are
 // (+1 to -2 %).
 #include "kernels/frustum_bound.h"
 #include "kernels/frustum_leaf.h"
@@ -245,6 +245,7 @@ static bool load(struct bundle *bundle, uint32_t first, uint32_t count)
     bundle->place = first;
     bundle->rays = count - first < BUNDLE ? count - first : BUNDLE;
     bundle->count = (int)(bundle->rays / RB_LANES);
+    bundle->more = count - first >= 2 * BUNDLE;
     bundle->failed = ~(uint64_t)0;
     for (int p = 0; p < bundle->count; p++)
         bundle->active[p] = vi_first(RB_LANES);
@@ -270,6 +271,7 @@ static void planes_closest(const struct rb_world *world, const struct bundle *bu
     struct hits hit;
     for (uint64_t set = bundle_packets(bundle); set; set &= set - 1) {
         int p = __builtin_ctzll(set);
+        bundle_prefetch(bundle, p);
         struct packet packet = bundle_packet(bundle, p, false);
         struct hits best = {vf_set(INFINITY), vf_set(0.0f), vf_set(0.0f), vi_set(RB_NONE)};
         RB_COUNT_BEGIN(bundle_place(bundle, p));
@@ -347,6 +349,7 @@ static void planes_any(const struct rb_world *world, struct bundle *bundle)
     struct hits hit;
     for (uint64_t set = bundle_packets(bundle); set; set &= set - 1) {
         int p = __builtin_ctzll(set);
+        bundle_prefetch(bundle, p);
         struct packet packet = bundle_packet(bundle, p, true);
         RB_COUNT_BEGIN(bundle_place(bundle, p));
         for (uint32_t i = 0; i < world->scene->count[RB_PLANE]; i++) {

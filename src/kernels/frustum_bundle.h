@@ -47,6 +47,7 @@ struct bundle {
     float end[3][2];              // where all rays end, if they end in one point
     uint32_t place;               // of the first ray, in its queue
     uint32_t rays;                // in the queue; those of a last part of a packet do not take part
+    bool more;                    // is there another whole bundle behind?
     int count;                    // of packets,
     int extra;                    // and of those that others are split into
     vint active[PACKETS + EXTRA]; // lanes whose answer is not known yet
@@ -78,6 +79,21 @@ RB_INLINE struct packet bundle_packet(const struct bundle *b, int p, bool shadow
 RB_INLINE vfloat bundle_limits(const struct bundle *bundle, int p)
 {
     return vf_load(bundle->limit + bundle->from[p] * RB_LANES);
+}
+
+// Fetches the rays of the next bundle that are where those of packet p are in this one. Few fetches
+// can be under way: to be called packet by packet, with other work in between.
+RB_INLINE void bundle_prefetch(const struct bundle *bundle, int p)
+{
+    int at = BUNDLE + p * RB_LANES;
+    if (at % 16 != 0 || !bundle->more)
+        return;
+    for (int k = 0; k < 3; k++) {
+        __builtin_prefetch(bundle->o[k] + at);
+        __builtin_prefetch(bundle->d[k] + at);
+    }
+    __builtin_prefetch(bundle->limit + at);
+    __builtin_prefetch(bundle->self + at);
 }
 
 RB_INLINE uint32_t bundle_place(const struct bundle *bundle, int p)
