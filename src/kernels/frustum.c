@@ -16,15 +16,19 @@
 // mount9 primary 62 -> 39, shadow 133 -> 70. Shadow rays culled from the surface instead: 23.7. Few
 // packets meet boxes one by one: mount10 primary 87 -> 75, shadow 158 -> 130. Rays read in place
 // instead of copied into the bundle, one comparison for common origins, signs from the ends of the
-// beams: balls_high primary 7.1 -> 5.5, shadow 10.7 -> 9.3, reflection 22.2 -> 21.3. The rest of a
-// queue streamed: balls_high diffuse 33.8 -> 29.2, balls6 refraction 29 -> 23, mount9 refraction 70
-// -> 57, mount10 shadow 111 -> 97 (streamed once a third was given up: shadow of balls_high +6 %,
-// of balls6 -11 %). Tried and dropped: giving up bundles as a whole, and then trying quarters of
-// them (shadow 15 to 18); packets of 16 x 1 instead of 4 x 4 pixels (primary 14.5 -> 10.6 when that
-// was changed). Of rays read in place: inverses kept for all packets (primary +4 %), bundles of 512
-// (+9 %), leaves in two passes as those of streams are
-// (+1 to -2 %).
+// beams: balls_high primary 7.1 -> 5.5, shadow 10.7 -> 9.3, reflection 22.2 -> 21.3. Leaves met on
+// a plane before the eye (frustum_frame.h): primary balls6 26.1 -> 23.0, mount9 30.2 -> 24.3,
+// mount10 67 -> 57; cones round packets did half of that. Rays of the next bundle fetched while
+// packets of this one meet planes: balls_high primary 5.8 -> 5.3, shadow 7.5 -> 7.0 (all at once:
+// -4 to +10 %). The rest of a queue streamed: balls_high diffuse 33.8 -> 29.2, balls6 refraction 29
+// -> 23, mount9 refraction 70 -> 57, mount10 shadow 111 -> 97 (streamed once a third was given up:
+// shadow of balls_high +6 %, of balls6 -11 %). Tried and dropped: giving up bundles as a whole, and
+// then trying quarters of them (shadow 15 to 18); packets of 16 x 1 instead of 4 x 4 pixels
+// (primary 14.5 -> 10.6 when that was changed). Of rays read in place: inverses kept for all
+// packets (primary +4 %), bundles of 512 (+9 %), leaves in two passes as those of streams are (+1
+// to -2 %).
 #include "kernels/frustum_bound.h"
+#include "kernels/frustum_eye.h"
 #include "kernels/frustum_leaf.h"
 #include "kernels/frustum_rest.h"
 #include "kernels/frustum_split.h"
@@ -104,7 +108,7 @@ RB_INLINE int push(const struct rb_wide *wide, const struct bundle *bundle, int 
     return depth;
 }
 
-// Tests the primitives of a leaf, and brings the limits of the bundle up to date.
+// Tests the primitives of a leaf.
 RB_INLINE void leaf_closest(const struct rb_world *world, struct bundle *bundle, struct visit visit,
                             enum rb_wide_kind kind, struct rb_hits *hits)
 {
@@ -121,17 +125,36 @@ RB_INLINE void leaf_closest(const struct rb_world *world, struct bundle *bundle,
             vint found = leaf_hit(world, bundle, kind, &with, p, false, &hit);
             if (!vi_any(found))
                 continue;
-            struct hits best = hits_load(hits, bundle_place(bundle, p));
-            keep_closest(&best, &hit, found);
-            hits_store(hits, bundle_place(bundle, p), &best);
+            keep_hit(bundle, p, &hit, found, hits);
             closer |= (uint64_t)1 << p;
         }
     }
-    if (!closer)
-        return;
-    for (; closer; closer &= closer - 1)
-        bundle_limit(bundle, __builtin_ctzll(closer));
-    bundle_limit_all(bundle, WHOLES);
+    bundle_closer(bundle, closer);
+}
+
+// The same for rays of one origin. Pairs of a packet and a primitive, a byte for each packet, are
+// gone through in one loop: its end is mispredicted once, those of loops within loops each time.
+RB_INLINE void leaf_eye(const struct rb_world *world, struct bundle *bundle, struct visit visit,
+                        enum rb_wide_kind kind, struct rb_hits *hits)
+{
+    struct eye_leaf leaf;
+    uint64_t pairs[PACKETS / 8] = {0}, closer = 0;
+    eye_open(bundle, world->wide, visit.child, kind, &leaf);
+    for (uint64_t set = visit.set; set; set &= set - 1) {
+        int p = __builtin_ctzll(set);
+        pairs[p / 8] |= (uint64_t)eye_meet(bundle, &leaf, p) << p % 8 * 8;
+    }
+    for (int eight = 0; eight < PACKETS / 8; eight++)
+        for (uint64_t left = pairs[eight]; left; left &= left - 1) {
+            int pair = __builtin_ctzll(left), p = eight * 8 + pair / 8;
+            struct hits hit;
+            vint found = eye_hit(bundle, &leaf, pair % 8, p, &hit);
+            if (!vi_any(found))
+                continue;
+            keep_hit(bundle, p, &hit, found, hits);
+            closer |= (uint64_t)1 << p;
+        }
+    bundle_closer(bundle, closer);
 }
 
 // Lanes that are found to be occluded cease to be active, and packets without others to be open.
@@ -167,7 +190,10 @@ typedef void any_fn(const struct rb_world *world, struct bundle *bundle, struct 
     static void name##_closest(const struct rb_world *world, struct bundle *bundle,                \
                                struct visit visit, struct rb_hits *hits)                           \
     {                                                                                              \
-        leaf_closest(world, bundle, visit, kind, hits);                                            \
+        if (kind != RB_WIDE_OTHERS && bundle_framed(bundle))                                       \
+            leaf_eye(world, bundle, visit, kind, hits);                                            \
+        else                                                                                       \
+            leaf_closest(world, bundle, visit, kind, hits);                                        \
     }                                                                                              \
     static void name##_any(const struct rb_world *world, struct bundle *bundle,                    \
                            struct visit visit)                                                     \

@@ -8,7 +8,7 @@
 #ifndef RB_KERNELS_FRUSTUM_BUNDLE_H
 #define RB_KERNELS_FRUSTUM_BUNDLE_H
 
-#include "accel/wide.h"
+#include "kernels/eights.h"
 #include "kernels/packet_trace.h"
 
 // FEW and the credits are from sweeps of least times on a busy machine. FEW: 2 and 4 alike, 8 and
@@ -21,8 +21,7 @@ enum {
     EXTRA = PACKETS == 64 ? 0 : 16,    // that others may be split into (frustum_split.h)
     WHOLES = PACKETS / RB_LANES,       // vectors with a lane for each packet,
     PARTS = WHOLES + EXTRA / RB_LANES, // and for each of those as well
-    BOXES = RB_LANES < RB_WIDE ? RB_LANES : RB_WIDE, // a vector holds
-    FEW = 4,                                         // packets that meet boxes one by one
+    FEW = 4,                           // packets that meet boxes one by one
     CREDIT_NEAR = 64, // tests in vain after which a packet is given up: rays from one point,
     CREDIT_FAR = 8,   // other rays
 };
@@ -37,6 +36,9 @@ struct beams {
 struct ends {
     vfloat low[3], high[3];
 };
+
+// Are packets rectangles on a plane?
+enum frame { FRAME_UNKNOWN, FRAME_NONE, FRAME_KNOWN };
 
 // Of whole packets, all of whose rays exist. The rays stay where they are. Those from PACKETS on
 // are what others are split into.
@@ -60,7 +62,11 @@ struct bundle {
     struct beams all;     // the same beam in all lanes
     struct beams by_packet[PARTS];
     struct ends ends[PARTS];
-    int backward[3]; // do the rays in work go backward on this axis?
+    int backward[3];  // do the rays in work go backward on this axis?
+    enum frame frame; // what follows is for rays of one origin (frustum_frame.h)
+    float axes[3][3];
+    float low[2][PACKETS], high[2][PACKETS]; // rectangles of packets on a plane
+    float bend;                              // the plane is at most that much oblique
 };
 
 RB_INLINE struct vvec bundle_vector(const float *const from[3], int p)
@@ -122,6 +128,15 @@ static inline uint64_t bundle_packets(const struct bundle *bundle)
     for (int p = PACKETS; p < bundle_last(bundle); p++)
         packets |= (uint64_t)vi_any(bundle->active[p]) << p;
     return packets & ~bundle->failed;
+}
+
+// Packet p has tested a primitive that it does not meet; with too many of those it is given up.
+RB_INLINE void bundle_in_vain(struct bundle *bundle, int p)
+{
+    if (--bundle->credit[p] == 0) {
+        bundle->open &= ~((uint64_t)1 << p);
+        bundle->failed |= (uint64_t)1 << p;
+    }
 }
 
 // Where the near and the far planes of the 8 boxes of a node or a block are.
@@ -293,6 +308,25 @@ RB_INLINE void bundle_limit_all(struct bundle *bundle, int parts)
         all =
             vf_max(vf_select(part_of(bundle->open, part), bundle->by_packet[part].limit, all), all);
     bundle->all.limit = vf_max_lane(all);
+}
+
+// Keeps what packet p has found closer than before; bundle_closer follows.
+RB_INLINE void keep_hit(const struct bundle *bundle, int p, const struct hits *hit, vint found,
+                        struct rb_hits *hits)
+{
+    struct hits best = hits_load(hits, bundle_place(bundle, p));
+    keep_closest(&best, hit, found);
+    hits_store(hits, bundle_place(bundle, p), &best);
+}
+
+// Brings the limits of a bundle up to date, of which these packets have found something.
+RB_INLINE void bundle_closer(struct bundle *bundle, uint64_t closer)
+{
+    if (!closer)
+        return;
+    for (; closer; closer &= closer - 1)
+        bundle_limit(bundle, __builtin_ctzll(closer));
+    bundle_limit_all(bundle, WHOLES);
 }
 
 #endif

@@ -122,10 +122,8 @@ RB_INLINE vint leaf_hit(const struct rb_world *world, struct bundle *bundle, enu
     else
         found = primitive_hit(world->scene, with->id, &packet, active, hit);
     found &= hit->t > 0.0f;
-    if (!vi_any(found) && --bundle->credit[p] == 0) {
-        bundle->open &= ~((uint64_t)1 << p);
-        bundle->failed |= (uint64_t)1 << p;
-    }
+    if (!vi_any(found))
+        bundle_in_vain(bundle, p);
     return found;
 }
 

@@ -92,24 +92,28 @@ static inline void count_primitive(enum rb_counter kind, vint active, vint insid
     RB_COUNT_BYTES(PRIMITIVE_BYTES, bytes);
 }
 
-// rb_sphere_test, own box from `low` to `high` included, for rays that see both sides or what a
-// negative radius leaves.
-RB_INLINE vint sphere_hit(const struct rb_sphere *sphere, const float low[3], const float high[3],
-                          const struct packet *packet, vint active, vint own, struct hits *hit)
+// How the rays of a packet pass a sphere: what rb_sphere_test calls so.
+struct sphere_line {
+    vfloat b, discriminant;
+};
+
+// `l` from the origins to the centre.
+RB_INLINE struct sphere_line sphere_pass(struct vvec l, struct vvec d, float square)
 {
-    float radius = sphere->radius;
-    struct vvec l = vv_sub(vv_set(sphere->center), packet->o);
-    vfloat b = vv_dot(l, packet->d);
-    struct vvec apart = vv_mad(l, -b, packet->d);
-    vfloat discriminant = radius * radius - vv_dot(apart, apart);
-    vint inside = active & (discriminant >= 0.0f);
-    count_primitive(RB_COUNT_SPHERES, active, inside, sizeof *sphere);
-    if (!vi_any(inside))
-        return inside;
-    vfloat root = vf_sqrt(discriminant);
+    vfloat b = vv_dot(l, d);
+    struct vvec apart = vv_mad(l, -b, d);
+    return (struct sphere_line){b, square - vv_dot(apart, apart)};
+}
+
+// The rest of the test, for lanes of `inside`, whose discriminant is not negative.
+RB_INLINE vint sphere_root(const struct sphere_line *line, bool inside_only, const float low[3],
+                           const float high[3], const struct packet *packet, vint inside, vint own,
+                           struct hits *hit)
+{
+    vfloat root = vf_sqrt(line->discriminant), b = line->b;
     vfloat near = b - root, far = vf_select(own, b + b, b + root);
     vint take_near = (near > 0.0f) & ~own;
-    if (radius < 0.0f && !packet->shadow)
+    if (inside_only)
         take_near = vi_set(0);
     vfloat t = vf_select(take_near, near, far);
     struct interval range = box(low, high, packet);
@@ -117,6 +121,62 @@ RB_INLINE vint sphere_hit(const struct rb_sphere *sphere, const float low[3], co
     hit->u = hit->v = vf_set(0.0f);
     inside &= (range.near <= range.far) & (t > 0.0f);
     return packet->shadow ? inside & ~own : inside;
+}
+
+// rb_sphere_test, own box from `low` to `high` included, for rays that see both sides or what a
+// negative radius leaves.
+RB_INLINE vint sphere_hit(const struct rb_sphere *sphere, const float low[3], const float high[3],
+                          const struct packet *packet, vint active, vint own, struct hits *hit)
+{
+    float radius = sphere->radius;
+    struct sphere_line line =
+        sphere_pass(vv_sub(vv_set(sphere->center), packet->o), packet->d, radius * radius);
+    vint inside = active & (line.discriminant >= 0.0f);
+    count_primitive(RB_COUNT_SPHERES, active, inside, sizeof *sphere);
+    if (!vi_any(inside))
+        return inside;
+    bool inside_only = radius < 0.0f && !packet->shadow;
+    return sphere_root(&line, inside_only, low, high, packet, inside, own, hit);
+}
+
+// How the rays of a packet pass the edges of a triangle: what rb_triangle_test calls so.
+struct triangle_edges {
+    vfloat us, vs, area;
+    vint flip; // the sign of the determinant
+};
+
+// `q` is s x e1.
+RB_INLINE struct triangle_edges triangle_pass(struct vvec s, struct vvec e1, struct vvec e2,
+                                              struct vvec q, struct vvec d)
+{
+    struct triangle_edges edges;
+    struct vvec p = vv_cross(d, e2);
+    vfloat det = vv_dot(e1, p);
+    edges.flip = (vint)det & vi_set(0x80000000u); // a product with the sign of det
+    edges.area = vf_abs(det);
+    edges.us = (vfloat)((vint)vv_dot(s, p) ^ edges.flip);
+    edges.vs = (vfloat)((vint)vv_dot(d, q) ^ edges.flip);
+    return edges;
+}
+
+RB_INLINE vint triangle_inside(const struct triangle_edges *of, vfloat slack)
+{
+    return (of->us >= -slack) & (of->vs >= -slack) & (of->us + of->vs <= of->area + slack) &
+           (of->area >= FLT_MIN);
+}
+
+// The rest of the test, for lanes of `inside`; `along` is e2 . q.
+RB_INLINE vint triangle_root(const struct triangle_edges *edges, vfloat along, const float low[3],
+                             const float high[3], const struct packet *packet, vint inside,
+                             struct hits *hit)
+{
+    struct interval range = box(low, high, packet);
+    vfloat inverse = 1.0f / edges->area, zero = vf_set(0.0f), one = vf_set(1.0f);
+    vfloat t = (vfloat)((vint)along ^ edges->flip) * inverse;
+    hit->u = vf_min(vf_max(edges->us * inverse, zero), one);
+    hit->v = vf_min(vf_max(edges->vs * inverse, zero), one - hit->u);
+    hit->t = vf_min(vf_max(t, range.near), range.far);
+    return inside & (range.near <= range.far);
 }
 
 // rb_triangle_test, own box from `low` to `high` included.
@@ -130,26 +190,15 @@ RB_INLINE vint triangle_hit(const struct rb_triangle *triangle, const float low[
     struct vvec e1 = {vf_set(edge1.x), vf_set(edge1.y), vf_set(edge1.z)};
     struct vvec e2 = {vf_set(edge2.x), vf_set(edge2.y), vf_set(edge2.z)};
     struct vvec s = vv_sub(packet->o, vv_set(triangle->v[0]));
-    struct vvec p = vv_cross(packet->d, e2), q = vv_cross(s, e1);
-    vfloat det = vv_dot(e1, p);
-    vint flip = (vint)det & vi_set(0x80000000u); // a product with the sign of det
-    vfloat area = vf_abs(det);
-    vfloat us = (vfloat)((vint)vv_dot(s, p) ^ flip);
-    vfloat vs = (vfloat)((vint)vv_dot(packet->d, q) ^ flip);
+    struct vvec q = vv_cross(s, e1);
+    struct triangle_edges edges = triangle_pass(s, e1, e2, q, packet->d);
     vfloat slack =
         RB_EDGE_TOLERANCE * vv_reach(s) * rb_max(rb_vec_reach(edge1), rb_vec_reach(edge2));
-    vint inside = active & (us >= -slack) & (vs >= -slack) & (us + vs <= area + slack) &
-                  (area >= FLT_MIN) & ~own;
+    vint inside = active & triangle_inside(&edges, slack) & ~own;
     count_primitive(RB_COUNT_TRIANGLES, active, inside, sizeof *triangle);
     if (!vi_any(inside))
         return inside;
-    struct interval range = box(low, high, packet);
-    vfloat inverse = 1.0f / area, zero = vf_set(0.0f), one = vf_set(1.0f);
-    vfloat t = (vfloat)((vint)vv_dot(e2, q) ^ flip) * inverse;
-    hit->u = vf_min(vf_max(us * inverse, zero), one);
-    hit->v = vf_min(vf_max(vs * inverse, zero), one - hit->u);
-    hit->t = vf_min(vf_max(t, range.near), range.far);
-    return inside & (range.near <= range.far);
+    return triangle_root(&edges, vv_dot(e2, q), low, high, packet, inside, hit);
 }
 
 // Cones are rare: one ray after the other.
