@@ -46,6 +46,17 @@ static float frame_range(struct bundle *bundle, int k)
     return vf_max_lane(most)[0];
 }
 
+// Are all rays on the side of the plane, their z above 0? A comparison with what is no number is
+// not true, so packets that are not finite do not count.
+static bool frame_before(const struct bundle *bundle)
+{
+    struct vvec z = vv_set(bundle->axes[2]);
+    vint behind = vi_set(0);
+    for (int p = 0; p < bundle->count; p++)
+        behind |= vv_dot(bundle_vector(bundle->d, p), z) <= 0.0f;
+    return !vi_any(behind);
+}
+
 // A direction is at x / z on the plane. For those of a packet z is between the least cosine of the
 // bundle and 1; 2^-20 and 2^-18 are some ulps of what unit directions have.
 static void bundle_frame(struct bundle *bundle)
@@ -53,7 +64,7 @@ static void bundle_frame(struct bundle *bundle)
     frame_axes(bundle);
     float x = frame_range(bundle, 0), y = frame_range(bundle, 1);
     float square = 1.0f - x * x - y * y;
-    bundle->frame = square > 0.25f ? FRAME_KNOWN : FRAME_NONE;
+    bundle->frame = square > 0.25f && frame_before(bundle) ? FRAME_KNOWN : FRAME_NONE;
     bundle->bend = 1.0f / (sqrtf(square) - 0x1p-18f);
     for (int k = 0; k < 2; k++)
         for (int part = 0; part < WHOLES; part++) {

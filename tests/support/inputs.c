@@ -87,9 +87,9 @@ const char *input_rays(struct ref_random *random, const struct rb_scene *scene,
                        const struct ray_class *classes, uint32_t count, struct rb_rays *rays)
 {
     const char *name;
-    uint32_t mode = ref_below(random, 4); // 0 mixed, 1 close to each other, else of one class
-    bool twist = once_in(random, 2);
-    double spread = pow(10.0, ref_between(random, -6.0, -1.0));
+    uint32_t mode = ref_below(random, 4); // 0 mixed, 1 from one point, else of one class
+    bool twist = once_in(random, 2), back = once_in(random, 4);
+    double spread = pow(10.0, ref_between(random, -6.0, 0.5));
     aim_fn *aim_class = pick_class(random, classes, &name);
     struct aim first, aim;
     aim_class(random, scene, &first);
@@ -102,6 +102,8 @@ const char *input_rays(struct ref_random *random, const struct rb_scene *scene,
             aim_class(random, scene, &aim);
         for (int k = 0; mode == 1 && k < 3; k++)
             aim.target[k] += ref_between(random, -spread, spread);
+        for (int k = 0; mode == 1 && back && rays->count / 16 % 2 && k < 3; k++)
+            aim.target[k] = 2 * aim.o[k] - aim.target[k]; // packets that look the other way
         aim_push(rays, &aim, random);
         if (twist)
             twist_ray(random, scene, rays, rays->count - 1);

@@ -287,7 +287,7 @@ static const struct zoo_scene *begin_batch(struct ref_random *random)
 
 static void run_batch(uint64_t number)
 {
-    struct ref_random random = {rb_hash_word(now.seed, number)};
+    struct ref_random random = {rb_hash_word(rb_hash_word(0, now.seed), number)};
     const struct zoo_scene *scene = begin_batch(&random);
     const struct rb_scene *things = &scene->stage.scene;
     now.batch = number;
