@@ -18,7 +18,7 @@
 enum {
     BUNDLE = 256, // rays
     PACKETS = BUNDLE / RB_LANES,
-    EXTRA = PACKETS == 64 ? 0 : 16,    // that others may be split into (frustum_split.h)
+    EXTRA = PACKETS == 64 ? 0 : 32,    // that others may be split into (frustum_split.h)
     WHOLES = PACKETS / RB_LANES,       // vectors with a lane for each packet,
     PARTS = WHOLES + EXTRA / RB_LANES, // and for each of those as well
     BOXES = RB_LANES < RB_WIDE ? RB_LANES : RB_WIDE, // a vector holds
