@@ -16,9 +16,9 @@
 // primary rays of mount9 40, 37, 37, 35 ns, shadow rays there 93, 67, 62, 73, of balls_high 10.2,
 // 10.8, 10.9, 11.4; refraction on balls6 29, 31, 34, 40.
 enum {
-    BUNDLE = 256, // rays
+    BUNDLE = RB_LANES < 8 ? 128 : 256, // rays
     PACKETS = BUNDLE / RB_LANES,
-    EXTRA = PACKETS == 64 ? 0 : 16,    // that others may be split into (frustum_split.h)
+    EXTRA = 32,                        // that others may be split into (frustum_split.h)
     WHOLES = PACKETS / RB_LANES,       // vectors with a lane for each packet,
     PARTS = WHOLES + EXTRA / RB_LANES, // and for each of those as well
     FEW = 4,                           // packets that meet boxes one by one
@@ -110,7 +110,7 @@ RB_INLINE uint32_t bundle_place(const struct bundle *bundle, int p)
 // One behind the last packet that another is split into.
 static inline int bundle_last(const struct bundle *bundle)
 {
-    return EXTRA ? PACKETS + bundle->extra : PACKETS;
+    return PACKETS + bundle->extra;
 }
 
 // Vectors that have packets. Those who know that none are split say WHOLES, which is faster.
