@@ -17,11 +17,15 @@
 // place instead of copied into the bundle, one comparison for common origins, signs from the ends
 // of the beams: balls_high primary 7.1 -> 5.5, shadow 10.7 -> 9.3, reflection 22.2 -> 21.3. Leaves
 // met on a plane before the eye (frustum_frame.h): primary balls6 26.1 -> 23.0, mount9 30.2
-// -> 24.3, mount10 67 -> 57. Cones round packets did half of that: balls6 25.5, mount9 28.3. Tried
-// and dropped: giving up bundles as a whole, and then trying quarters of them (shadow 15 to 18);
-// packets of 16 x 1 instead of 4 x 4 pixels (primary 14.5 -> 10.6 when that was changed). Of rays
-// read in place: inverses kept for all packets (primary +4 %), bundles of 512 (+9 %), the next
-// bundle prefetched (-4 to +10 %), leaves in two passes as those of streams are (+1 to -2 %).
+// -> 24.3, mount10 67 -> 57 (cones round packets instead: 25.5, 28.3, 63); nodes, too, by few
+// packets: balls6 23.5 -> 20.8, mount10 57 -> 56. What is left of balls6, 26 ns before that:
+// mispredicted branches 6, the tree from memory 3, rays from memory 2; of mount10, 68: 7, 10, 3.
+// Tried and dropped: 2, 4, 8 bundles in turn, visit by visit, to hide misses (+2 to +5 %); nodes on
+// the plane by many packets (mount6 +8 %); all by the plane, no beams (the same); giving up bundles
+// as a whole, and then trying quarters of them (shadow 15 to 18); packets of 16 x 1 instead of 4 x
+// 4 pixels (primary 14.5 -> 10.6 when that was changed). Of rays read in place: inverses kept for
+// all packets (primary +4 %), bundles of 512 (+9 %), the next bundle prefetched (-4 to +10 %),
+// leaves in two passes as those of streams are (+1 to -2 %).
 #include "kernels/frustum_bound.h"
 #include "kernels/frustum_eye.h"
 #include "kernels/frustum_leaf.h"
@@ -77,17 +81,28 @@ static void count_end(const struct bundle *bundle, uint64_t set)
     }
 }
 
+// Few packets on the plane meet children there.
+RB_INLINE void node_reach(const struct bundle *bundle, uint64_t set,
+                          const struct rb_wide_node *node, struct reach *reach)
+{
+    if (bundle->frame == FRAME_KNOWN && __builtin_popcountll(set) <= FEW) {
+        rects_reach(bundle, set, node, reach);
+        return;
+    }
+    struct planes planes = planes_of(bundle, node->bounds[0][0]);
+    bundle_reach(bundle, set, &planes, reach);
+}
+
 // Puts the children that are needed on the stack, the nearest on top.
 static inline int push(const struct rb_wide *wide, const struct bundle *bundle, struct visit from,
                        struct visit *stack, int depth)
 {
     const struct rb_wide_node *node = &wide->nodes[from.child];
-    struct planes planes = planes_of(bundle, node->bounds[0][0]);
     struct reach reach;
     int bottom = depth;
     RB_COUNT(count_node(bundle, from.set));
     RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
-    bundle_reach(bundle, from.set, &planes, &reach);
+    node_reach(bundle, from.set, node, &reach);
     unsigned bits = reach.boxes & ((1u << node->count) - 1);
     for (; bits; bits &= bits - 1) {
         int c = __builtin_ctz(bits), at;
