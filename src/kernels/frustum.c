@@ -18,11 +18,15 @@
 // instead of copied into the bundle, one comparison for common origins, signs from the ends of the
 // beams: balls_high primary 7.1 -> 5.5, shadow 10.7 -> 9.3, reflection 22.2 -> 21.3. Leaves met on
 // a plane before the eye (frustum_frame.h): primary balls6 26.1 -> 23.0, mount9 30.2 -> 24.3,
-// mount10 67 -> 57; cones round packets did half of that. Rays of the next bundle fetched while
-// packets of this one meet planes: balls_high primary 5.8 -> 5.3, shadow 7.5 -> 7.0 (all at once:
-// -4 to +10 %). The rest of a queue streamed: balls_high diffuse 33.8 -> 29.2, balls6 refraction 29
-// -> 23, mount9 refraction 70 -> 57, mount10 shadow 111 -> 97 (streamed once a third was given up:
-// shadow of balls_high +6 %, of balls6 -11 %). Tried and dropped: giving up bundles as a whole, and
+// mount10 67 -> 57 (cones round packets instead: 25.5, 28.3, 63); nodes, too, by few packets:
+// balls6 23.5 -> 20.8, mount10 57 -> 56. What is left of balls6, 26 ns before that: mispredicted
+// branches 6, the tree from memory 3, rays from memory 2; of mount10, 68: 7, 10, 3. Rays of the
+// next bundle fetched while packets of this one meet planes: balls_high primary 5.8 -> 5.3, shadow
+// 7.5 -> 7.0 (all at once: -4 to +10 %). The rest of a queue streamed: balls_high diffuse 33.8 ->
+// 29.2, balls6 refraction 29 -> 23, mount9 refraction 70 -> 57, mount10 shadow 111 -> 97 (streamed
+// once a third was given up: shadow of balls_high +6 %, of balls6 -11 %). Tried and dropped: 2, 4,
+// 8 bundles in turn, visit by visit, to hide misses (+2 to +5 %); nodes on the plane by many
+// packets (mount6 +8 %); all by the plane, no beams (the same); giving up bundles as a whole, and
 // then trying quarters of them (shadow 15 to 18); packets of 16 x 1 instead of 4 x 4 pixels
 // (primary 14.5 -> 10.6 when that was changed). Of rays read in place: inverses kept for all
 // packets (primary +4 %), bundles of 512 (+9 %), leaves in two passes as those of streams are (+1
@@ -84,17 +88,28 @@ static void count_end(const struct bundle *bundle, uint64_t set)
     }
 }
 
+// Few packets on the plane meet children there.
+RB_INLINE void node_reach(const struct bundle *bundle, int parts, uint64_t set,
+                          const struct rb_wide_node *node, struct reach *reach)
+{
+    if (bundle->frame == FRAME_KNOWN && __builtin_popcountll(set) <= FEW) {
+        rects_reach(bundle, set, node, reach);
+        return;
+    }
+    struct planes planes = planes_of(bundle, node->bounds[0][0]);
+    bundle_reach(bundle, parts, set, &planes, reach);
+}
+
 // Puts the children that are needed on the stack, the nearest on top.
 RB_INLINE int push(const struct rb_wide *wide, const struct bundle *bundle, int parts,
                    struct visit from, struct visit *stack, int depth)
 {
     const struct rb_wide_node *node = &wide->nodes[from.child];
-    struct planes planes = planes_of(bundle, node->bounds[0][0]);
     struct reach reach;
     int bottom = depth;
     RB_COUNT(count_node(bundle, from.set));
     RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
-    bundle_reach(bundle, parts, from.set, &planes, &reach);
+    node_reach(bundle, parts, from.set, node, &reach);
     unsigned bits = reach.boxes & ((1u << node->count) - 1);
     for (; bits; bits &= bits - 1) {
         int c = __builtin_ctz(bits), at;
@@ -261,6 +276,7 @@ static void any(const struct rb_world *world, struct bundle *bundle)
 // What all bundles of a queue have in common.
 static void bundle_init(struct bundle *bundle)
 {
+    bundle->frame = FRAME_NONE;
     for (int p = 0; p < PACKETS; p++)
         bundle->from[p] = (uint8_t)p, bundle->lanes[p] = VI_ALL_BITS;
 }

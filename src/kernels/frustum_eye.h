@@ -211,6 +211,7 @@ RB_INLINE vint eye_hit(struct bundle *bundle, const struct eye_leaf *leaf, int l
                        struct hits *hit)
 {
     RB_COUNT_AT(bundle_place(bundle, p));
+    *hit = (struct hits){.prim = vi_set(RB_NONE)};
     vint found = leaf->kind == RB_WIDE_SPHERES
                      ? eye_sphere_hit(bundle, &leaf->of.spheres, lane, p, hit)
                      : eye_triangle_hit(bundle, &leaf->of.triangles, lane, p, hit);

@@ -140,4 +140,46 @@ RB_INLINE v8int rects_miss(const struct bundle *bundle, const struct rects *rect
            (v8_load(rects->near + lane) > limit);
 }
 
+// The lowest bit of each byte.
+static inline uint64_t bytes_bit(uint64_t bytes)
+{
+    return (bytes & 0x0101010101010101u) * 0x0102040810204080u >> 56;
+}
+
+// bundle_reach for the children of a node.
+RB_INLINE void rects_reach(const struct bundle *bundle, uint64_t set,
+                           const struct rb_wide_node *node, struct reach *reach)
+{
+    struct rects rects;
+    struct v8vec o = bundle_eye(bundle);
+    unsigned bits = 0;
+    for (int lane = 0; lane < RB_WIDE; lane += BOXES) {
+        const float(*of)[2][RB_WIDE] = node->bounds;
+        struct v8vec low = {v8_load(of[0][0] + lane), v8_load(of[1][0] + lane),
+                            v8_load(of[2][0] + lane)};
+        struct v8vec high = {v8_load(of[0][1] + lane), v8_load(of[1][1] + lane),
+                             v8_load(of[2][1] + lane)};
+        rects_of_boxes(bundle, &rects, lane, v8_sub(low, o), v8_sub(high, o));
+    }
+    memcpy(reach->enter, rects.near, sizeof reach->enter);
+    uint64_t pairs[PACKETS / 8] = {0};
+    for (uint64_t left = set; left; left &= left - 1) {
+        int p = __builtin_ctzll(left);
+        unsigned met = 0;
+        for (int lane = 0; lane < RB_WIDE; lane += BOXES)
+            met |= v8_bits(~rects_miss(bundle, &rects, lane, p)) << lane;
+        bits |= met;
+        pairs[p / 8] |= (uint64_t)met << p % 8 * 8;
+        RB_COUNT_STEP((1u << RB_WIDE) - 1, RB_WIDE);
+    }
+    bits &= (1u << node->count) - 1;
+    reach->boxes = bits;
+    for (; bits; bits &= bits - 1) {
+        int lane = __builtin_ctz(bits);
+        reach->set[lane] = 0;
+        for (int eight = 0; eight < PACKETS / 8; eight++)
+            reach->set[lane] |= bytes_bit(pairs[eight] >> lane) << 8 * eight;
+    }
+}
+
 #endif
