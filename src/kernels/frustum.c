@@ -1,40 +1,39 @@
-// Bundles: 256 neighbouring rays, the packets of a block of the image, go through the wide tree
-// together as beams, intervals of origins and inverse directions (Boulos, Wald, Shirley 2006,
-// "Geometric and arithmetic culling methods for entire ray packets"). One vector operation holds
-// the 8 boxes of a node against the beam of all, one holds a box that is left against the beams of
-// all packets; only the primitives that are left after both are tested ray by ray. Shadow rays
-// that end in one point are culled as rays from there.
+// Bundles: 256 neighbouring rays (128 with SSE2), the packets of a block of the image, go through
+// the wide tree together as beams, intervals of origins and inverse directions (Boulos, Wald,
+// Shirley 2006, "Geometric and arithmetic culling methods for entire ray packets"). One vector
+// operation holds the 8 boxes of a node against the beam of all, one holds a box that is left
+// against the beams of all packets; only the primitives that are left after both are tested ray by
+// ray. Shadow rays that end in one point are culled as rays from there.
 //
 // Packets of a bundle that go the same ways are traced together. Those that go both ways on two
 // axes, and those that have tested too many primitives in vain, wait for each other and go on as a
 // stream (stream.c), and so does the rest of a queue once most of its packets did. Compiled once
 // per instruction set (Makefile).
 //
-// ns a ray, balls_high 1024 x 1024, one Zen 4 thread beside other load, least times: primary 12.2
-// -> 7.1, shadow 22.9 -> 11.4, refraction 22.9 -> 17.2 against bundles whose packets were tested
-// box by box, ray by ray, the first and the last of them only (after Wald, Boulos, Shirley 2007);
-// mount9 primary 62 -> 39, shadow 133 -> 70. Shadow rays culled from the surface instead: 23.7. Few
-// packets meet boxes one by one: mount10 primary 87 -> 75, shadow 158 -> 130. Rays read in place
-// instead of copied into the bundle, one comparison for common origins, signs from the ends of the
-// beams: balls_high primary 7.1 -> 5.5, shadow 10.7 -> 9.3, reflection 22.2 -> 21.3. Leaves met on
-// a plane before the eye (frustum_frame.h): primary balls6 26.1 -> 23.0, mount9 30.2 -> 24.3,
-// mount10 67 -> 57 (cones round packets instead: 25.5, 28.3, 63); nodes, too, by few packets:
-// balls6 23.5 -> 20.8, mount10 57 -> 56. What is left of balls6, 26 ns before that: mispredicted
-// branches 6, the tree from memory 3, rays from memory 2; of mount10, 68: 7, 10, 3. Rays of the
-// next bundle fetched while packets of this one meet planes: balls_high primary 5.8 -> 5.3, shadow
-// 7.5 -> 7.0 (all at once: -4 to +10 %). The rest of a queue streamed: balls_high diffuse 33.8 ->
-// 29.2, balls6 refraction 29 -> 23, mount9 refraction 70 -> 57, mount10 shadow 111 -> 97 (streamed
-// once a third was given up: shadow of balls_high +6 %, of balls6 -11 %). Tried and dropped: 2, 4,
-// 8 bundles in turn, visit by visit, to hide misses (+2 to +5 %); nodes on the plane by many
-// packets (mount6 +8 %); all by the plane, no beams (the same); giving up bundles as a whole, and
-// then trying quarters of them (shadow 15 to 18); packets of 16 x 1 instead of 4 x 4 pixels
-// (primary 14.5 -> 10.6 when that was changed). Of rays read in place: inverses kept for all
-// packets (primary +4 %), bundles of 512 (+9 %), leaves in two passes as those of streams are (+1
-// to -2 %).
+// What each step brought: ns a ray at 1024 x 1024, AVX-512, one Zen 4 thread, least times.
+//   beams, against packets one by one, the first and the last only (Wald, Boulos, Shirley 2007):
+//     balls_high primary 12.2 -> 7.1, shadow 22.9 -> 11.4, mount9 62 -> 39, 133 -> 70
+//   few packets meet boxes one by one: mount10 primary 87 -> 75, shadow 158 -> 130
+//   rays read in place: balls_high primary 7.1 -> 5.5, shadow 10.7 -> 9.3, reflection 22.2 -> 21.3
+//   leaves on a plane before the eye (frustum_frame.h): primary balls6 26 -> 23, mount9 30 -> 24,
+//     mount10 67 -> 57; nodes, too, by few packets: balls6 23.5 -> 20.8
+//   wide shadow packets split (frustum_split.h): balls_high 9.4 -> 7.4, balls6 39 -> 34
+//   rays of the next bundle fetched: balls_high primary 5.8 -> 5.3, shadow 7.5 -> 7.0
+//   the rest of a queue streamed: balls_high diffuse 33.8 -> 29.2, mount9 refraction 70 -> 57,
+//     mount10 shadow 111 -> 97 (from a third given up: balls_high shadow +6 %, balls6 -11 %)
+//
+// Tried and dropped: cones round packets; 2, 4, 8 bundles in turn, visit by visit, to hide misses
+// (+2 to +5 %); nodes on the plane by many packets (mount6 +8 %), and no beams (the same); giving
+// up bundles as a whole, and trying quarters of them; packets of 16 x 1 pixels (primary +37 %);
+// inverses kept for all packets (+4 %); bundles of 512 (+9 %); leaves in two passes (+1 to -2 %);
+// packets of reflected rays split (+3 %).
+//
+// What is left. Of 26 ns of balls6 mispredicted branches were 6, the tree from memory 3, rays from
+// memory 2; of 68 of mount10 7, 10, 3. Of reflections on balls_high the one in six that goes both
+// ways on two axes takes half of the time, as a stream.
 #include "kernels/frustum_bound.h"
-#include "kernels/frustum_eye.h"
-#include "kernels/frustum_leaf.h"
 #include "kernels/frustum_rest.h"
+#include "kernels/frustum_search.h"
 #include "kernels/frustum_split.h"
 #include "kernels/packet_generate.h"
 #include "kernels/packet_light.h"
@@ -63,220 +62,9 @@ const struct rb_kernels RB_TWIN(RB_FRUSTUM) = {
     .trace_shadow = trace_shadow,
 };
 
-// A child that is still to be visited.
-struct visit {
-    uint64_t set; // packets that need it, one bit each
-    float enter;  // no ray of the bundle enters it before
-    rb_wide_child child;
-};
-
-static void count_node(const struct bundle *bundle, uint64_t set)
-{
-    for (; set; set &= set - 1) {
-        int p = __builtin_ctzll(set);
-        RB_COUNT_AT(bundle_place(bundle, p));
-        RB_COUNT_RAYS(NODES, vi_bits(bundle->active[p]), 1);
-    }
-}
-
-static void count_end(const struct bundle *bundle, uint64_t set)
-{
-    for (; set; set &= set - 1) {
-        int p = __builtin_ctzll(set);
-        RB_COUNT_AT(bundle_place(bundle, p));
-        RB_COUNT_END(bundle->lanes[p]);
-    }
-}
-
-// Few packets on the plane meet children there.
-RB_INLINE void node_reach(const struct bundle *bundle, int parts, uint64_t set,
-                          const struct rb_wide_node *node, struct reach *reach)
-{
-    if (bundle->frame == FRAME_KNOWN && __builtin_popcountll(set) <= FEW) {
-        rects_reach(bundle, set, node, reach);
-        return;
-    }
-    struct planes planes = planes_of(bundle, node->bounds[0][0]);
-    bundle_reach(bundle, parts, set, &planes, reach);
-}
-
-// Puts the children that are needed on the stack, the nearest on top.
-RB_INLINE int push(const struct rb_wide *wide, const struct bundle *bundle, int parts,
-                   struct visit from, struct visit *stack, int depth)
-{
-    const struct rb_wide_node *node = &wide->nodes[from.child];
-    struct reach reach;
-    int bottom = depth;
-    RB_COUNT(count_node(bundle, from.set));
-    RB_COUNT_BYTES(TREE_BYTES, sizeof *node);
-    node_reach(bundle, parts, from.set, node, &reach);
-    unsigned bits = reach.boxes & ((1u << node->count) - 1);
-    for (; bits; bits &= bits - 1) {
-        int c = __builtin_ctz(bits), at;
-        struct visit visit = {reach.set[c], reach.enter[c], node->child[c]};
-        rb_wide_prefetch(wide, visit.child);
-        for (at = depth++; at > bottom && stack[at - 1].enter < visit.enter; at--)
-            stack[at] = stack[at - 1];
-        stack[at] = visit;
-    }
-    RB_COUNT_DEPTH(depth);
-    return depth;
-}
-
-// Tests the primitives of a leaf.
-RB_INLINE void leaf_closest(const struct rb_world *world, struct bundle *bundle, struct visit visit,
-                            enum rb_wide_kind kind, struct rb_hits *hits)
-{
-    struct leaf leaf;
-    struct reach reach;
-    uint64_t closer = 0;
-    leaf_open(bundle, WHOLES, world->wide, visit.child, kind, visit.set, &leaf, &reach);
-    for (unsigned bits = reach.boxes; bits; bits &= bits - 1) {
-        int lane = __builtin_ctz(bits);
-        struct primitive with = leaf_primitive(&leaf, lane);
-        for (uint64_t set = reach.set[lane] & bundle->open; set; set &= set - 1) {
-            int p = __builtin_ctzll(set);
-            struct hits hit;
-            vint found = leaf_hit(world, bundle, kind, &with, p, false, &hit);
-            if (!vi_any(found))
-                continue;
-            keep_hit(bundle, p, &hit, found, hits);
-            closer |= (uint64_t)1 << p;
-        }
-    }
-    bundle_closer(bundle, closer);
-}
-
-// The same for rays of one origin. Pairs of a packet and a primitive, a byte for each packet, are
-// gone through in one loop: its end is mispredicted once, those of loops within loops each time.
-RB_INLINE void leaf_eye(const struct rb_world *world, struct bundle *bundle, struct visit visit,
-                        enum rb_wide_kind kind, struct rb_hits *hits)
-{
-    struct eye_leaf leaf;
-    uint64_t pairs[PACKETS / 8] = {0}, closer = 0;
-    eye_open(bundle, world->wide, visit.child, kind, &leaf);
-    for (uint64_t set = visit.set; set; set &= set - 1) {
-        int p = __builtin_ctzll(set);
-        pairs[p / 8] |= (uint64_t)eye_meet(bundle, &leaf, p) << p % 8 * 8;
-    }
-    for (int eight = 0; eight < PACKETS / 8; eight++)
-        for (uint64_t left = pairs[eight]; left; left &= left - 1) {
-            int pair = __builtin_ctzll(left), p = eight * 8 + pair / 8;
-            struct hits hit;
-            vint found = eye_hit(bundle, &leaf, pair % 8, p, &hit);
-            if (!vi_any(found))
-                continue;
-            keep_hit(bundle, p, &hit, found, hits);
-            closer |= (uint64_t)1 << p;
-        }
-    bundle_closer(bundle, closer);
-}
-
-// Lanes that are found to be occluded cease to be active, and packets without others to be open.
-RB_INLINE void leaf_any(const struct rb_world *world, struct bundle *bundle, struct visit visit,
-                        enum rb_wide_kind kind)
-{
-    struct leaf leaf;
-    struct reach reach;
-    leaf_open(bundle, bundle_parts(bundle), world->wide, visit.child, kind, visit.set, &leaf,
-              &reach);
-    for (unsigned bits = reach.boxes; bits; bits &= bits - 1) {
-        int lane = __builtin_ctz(bits);
-        struct primitive with = leaf_primitive(&leaf, lane);
-        for (uint64_t set = reach.set[lane] & bundle->open; set; set &= set - 1) {
-            int p = __builtin_ctzll(set);
-            struct hits hit;
-            vint found = leaf_hit(world, bundle, kind, &with, p, true, &hit);
-            if (!vi_any(found))
-                continue;
-            bundle->active[p] &= ~(found & (hit.t < bundle_limits(bundle, p)));
-            if (!vi_any(bundle->active[p]))
-                bundle->open &= ~((uint64_t)1 << p);
-        }
-    }
-}
-
-typedef void closest_fn(const struct rb_world *world, struct bundle *bundle, struct visit visit,
-                        struct rb_hits *hits);
-typedef void any_fn(const struct rb_world *world, struct bundle *bundle, struct visit visit);
-
-// Defines the two searches of leaves of one kind.
-#define LEAF(kind, name)                                                                           \
-    static void name##_closest(const struct rb_world *world, struct bundle *bundle,                \
-                               struct visit visit, struct rb_hits *hits)                           \
-    {                                                                                              \
-        if (kind != RB_WIDE_OTHERS && bundle_framed(bundle))                                       \
-            leaf_eye(world, bundle, visit, kind, hits);                                            \
-        else                                                                                       \
-            leaf_closest(world, bundle, visit, kind, hits);                                        \
-    }                                                                                              \
-    static void name##_any(const struct rb_world *world, struct bundle *bundle,                    \
-                           struct visit visit)                                                     \
-    {                                                                                              \
-        leaf_any(world, bundle, visit, kind);                                                      \
-    }
-LEAF(RB_WIDE_SPHERES, spheres)
-LEAF(RB_WIDE_TRIANGLES, triangles)
-LEAF(RB_WIDE_OTHERS, others)
-
-static closest_fn *const leaf_closest_of[] = {
-    [RB_WIDE_SPHERES] = spheres_closest,
-    [RB_WIDE_TRIANGLES] = triangles_closest,
-    [RB_WIDE_OTHERS] = others_closest,
-};
-
-static any_fn *const leaf_any_of[] = {
-    [RB_WIDE_SPHERES] = spheres_any,
-    [RB_WIDE_TRIANGLES] = triangles_any,
-    [RB_WIDE_OTHERS] = others_any,
-};
-
-static void closest(const struct rb_world *world, struct bundle *bundle, struct rb_hits *hits)
-{
-    const struct rb_wide *wide = world->wide;
-    struct visit stack[RB_WIDE_STACK];
-    int depth = 0;
-    if (wide->count[RB_WIDE_NODE])
-        stack[depth++] = (struct visit){bundle->open, 0.0f, 0};
-    RB_COUNT_BEGIN(0);
-    while (depth > 0) {
-        struct visit visit = stack[--depth];
-        visit.set &= bundle->open;
-        if (visit.enter > bundle->all.limit[0] || !visit.set)
-            continue;
-        enum rb_wide_kind kind = rb_wide_kind_of(visit.child);
-        if (kind == RB_WIDE_NODE)
-            depth = push(wide, bundle, WHOLES, visit, stack, depth);
-        else
-            leaf_closest_of[kind](world, bundle, visit, hits);
-    }
-}
-
-static void any(const struct rb_world *world, struct bundle *bundle)
-{
-    const struct rb_wide *wide = world->wide;
-    struct visit stack[RB_WIDE_STACK];
-    int depth = 0, parts = bundle_parts(bundle);
-    if (wide->count[RB_WIDE_NODE])
-        stack[depth++] = (struct visit){bundle->open, 0.0f, 0};
-    RB_COUNT_BEGIN(0);
-    while (depth > 0) {
-        struct visit visit = stack[--depth];
-        visit.set &= bundle->open;
-        if (!visit.set)
-            continue;
-        enum rb_wide_kind kind = rb_wide_kind_of(visit.child);
-        if (kind == RB_WIDE_NODE)
-            depth = push(wide, bundle, parts, visit, stack, depth);
-        else
-            leaf_any_of[kind](world, bundle, visit);
-    }
-}
-
 // What all bundles of a queue have in common.
 static void bundle_init(struct bundle *bundle)
 {
-    bundle->frame = FRAME_NONE;
     for (int p = 0; p < PACKETS; p++)
         bundle->from[p] = (uint8_t)p, bundle->lanes[p] = VI_ALL_BITS;
 }

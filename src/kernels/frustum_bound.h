@@ -144,6 +144,7 @@ static bool bundle_bound_shadows(struct bundle *bundle)
             bound_origin(&bundle->by_packet[part], k, bundle->end[k]);
     }
     bound_directions(bundle, true);
+    bundle->frame = FRAME_NONE; // rectangles are of rays from where they start
     bound_rest(bundle, true, ~(uint64_t)0 >> (64 - bundle->count));
     return true;
 }
