@@ -11,17 +11,20 @@
 #include "kernels/eights.h"
 #include "kernels/packet_trace.h"
 
-// FEW and the credits are from sweeps of least times on a busy machine. FEW: 2 and 4 alike, 8 and
-// 16 up to a third and to 1.9 times slower. Credits of 16 and 4, 32 and 8, 64 and 16, 128 and 32:
-// primary rays of mount9 40, 37, 37, 35 ns, shadow rays there 93, 67, 62, 73, of balls_high 10.2,
-// 10.8, 10.9, 11.4; refraction on balls6 29, 31, 34, 40.
+// FEW and the credits are from sweeps of least times on a busy machine. FEW: 2 instead of 4 takes
+// 2 % off shadow rays of balls_high; 8 and 16 are up to a third and to 1.9 times slower. FEW_EYE: 8
+// instead of 4 takes 1 to 4 % off primary rays of balls6 and mount10, mount6 takes 1 % more.
+// Credits of 16 and 4, 32 and 8, 64 and 16, 128 and 32: primary rays of mount9 40, 37, 37, 35 ns,
+// shadow rays there 93, 67, 62, 73, of balls_high 10.2, 10.8, 10.9, 11.4; refraction on balls6 29,
+// 31, 34, 40.
 enum {
     BUNDLE = RB_LANES < 8 ? 128 : 256, // rays
     PACKETS = BUNDLE / RB_LANES,
     EXTRA = 32,                        // that others may be split into (frustum_split.h)
     WHOLES = PACKETS / RB_LANES,       // vectors with a lane for each packet,
     PARTS = WHOLES + EXTRA / RB_LANES, // and for each of those as well
-    FEW = 4,                           // packets that meet boxes one by one
+    FEW = 2,                           // packets that meet boxes one by one,
+    FEW_EYE = 8,                       // on a plane (frustum_frame.h)
     CREDIT_NEAR = 64, // tests in vain after which a packet is given up: rays from one point,
     CREDIT_FAR = 8,   // other rays
 };

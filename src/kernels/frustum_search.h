@@ -35,7 +35,7 @@ static void count_end(const struct bundle *bundle, uint64_t set)
 RB_INLINE void node_reach(const struct bundle *bundle, int parts, uint64_t set,
                           const struct rb_wide_node *node, struct reach *reach)
 {
-    if (bundle->frame == FRAME_KNOWN && __builtin_popcountll(set) <= FEW) {
+    if (bundle->frame == FRAME_KNOWN && __builtin_popcountll(set) <= FEW_EYE) {
         rects_reach(bundle, set, node, reach);
         return;
     }
